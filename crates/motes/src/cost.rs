@@ -31,9 +31,9 @@ pub(crate) fn cost(proposal: &ProposalName, model: &Model, step: &Step<'_>) -> E
     let (fixed, per_particle) = match proposal {
         ProposalName::Exact => (0.0, 0.0),
         ProposalName::Bootstrap => (0.0, 1.0),
-        ProposalName::Linearised | ProposalName::Optimal => (0.0, draws.max(2.5)),
-        ProposalName::LookAhead => (smoother, draws.max(2.2)),
-        ProposalName::Learned(learned) if learned.has_potentials() => (250.0, 4.3),
+        ProposalName::Linearised | ProposalName::Optimal => (0.0, draws.max(3.5)),
+        ProposalName::LookAhead => (smoother, draws.max(2.1)),
+        ProposalName::Learned(learned) if learned.has_potentials() => (230.0, 3.8),
         ProposalName::Learned(_) => (0.0, PER_PARTICLE),
     };
     EstimatorCost { per_particle, fixed, is_exact: *proposal == ProposalName::Exact }
@@ -44,7 +44,7 @@ pub(crate) fn on_line_cost(proposal: &ProposalName, model: &Model, step: &Step<'
     let ProposalName::Learned(learned) = proposal else { return cost(proposal, model, step) };
     let (fixed, per_particle) = match (learned.filters(), proposal.of_filter()) {
         (FilterSource::Designed(_), Ok(designed)) => return cost(&designed, model, step),
-        (FilterSource::Potential, _) => (150.0, 3.2),
+        (FilterSource::Potential, _) => (130.0, 2.6),
         _ => (0.0, PER_PARTICLE),
     };
     EstimatorCost { per_particle, fixed, is_exact: false }

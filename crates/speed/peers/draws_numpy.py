@@ -21,7 +21,8 @@ class Drawing:
         elif task["distribution"] == "poisson":
             self.call = lambda: generator.poisson(size)
         else:
-            self.call = lambda: generator.standard_gamma(size)
+            scale = 0.5 + v
+            self.call = lambda: generator.gamma(size, scale)
         self.draw()
 
     def draw(self):

@@ -27,8 +27,13 @@ pub enum ComposedProblem {
         lengths: [usize; 2],
     },
     /// A distribution that is made of others, in a formula.
-    #[error("`{0}` stands alone; as a line of [draws] its values can be part of any formula of [transition]")]
-    CompoundMoved(String),
+    #[error("`{name}` stands alone; {cure}")]
+    CompoundMoved {
+        /// The distribution.
+        name: String,
+        /// What can be done in this section.
+        cure: &'static str,
+    },
     /// A distribution that is only a prior, in a formula.
     #[error("`{0}` stands alone in a prior; it is not shifted or scaled")]
     PriorMoved(String),
@@ -47,9 +52,12 @@ pub enum ComposedProblem {
     NoCovariance,
     /// A distribution of several parts where one number is.
     #[error(
-        "`{0}` draws several numbers at once; as a line of [draws], n = \"{0}(…)\", they are n[0], n[1], …, which any line of [transition] may use"
+        "`{0}` draws several numbers at once; as a line of [draws], n = \"{0}(…)\", they are n[0], n[1], …, which any line of [transition] may use, as in x[2] = \"n[i]\""
     )]
     PartsElsewhere(String),
+    /// A distribution of several parts as a start.
+    #[error("`{0}` draws several numbers at once; a start that does is an mvnormal or a dirichlet")]
+    PartsAtStart(String),
     /// A distribution of several parts as a measurement.
     #[error(
         "`{0}` has several numbers, and a measurement is one; measure each in a line of its own, with what they share as a draw of [draws]"

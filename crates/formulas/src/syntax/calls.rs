@@ -98,11 +98,18 @@ impl Parser<'_> {
         };
         if !self.text[..span.start].trim().is_empty() || self.ahead != Token::End {
             let name = compound.name.to_string();
-            let problem = match self.scope.section {
-                Section::Parameters => Problem::Composed(ComposedProblem::PriorMoved(name)),
-                _ => Problem::Composed(ComposedProblem::CompoundMoved(name)),
+            let cure = match self.scope.section {
+                Section::Initial => "formulas of the lines below it may use what it draws",
+                Section::Measurement => {
+                    "it is measured as it is, not shifted, scaled or inside of another distribution"
+                }
+                _ => "as a line of [draws] its values can be part of any formula of [transition]",
             };
-            return Err(Fault::at(span.start, problem));
+            let problem = match self.scope.section {
+                Section::Parameters => ComposedProblem::PriorMoved(name),
+                _ => ComposedProblem::CompoundMoved { name, cure },
+            };
+            return Err(Fault::at(span.start, Problem::Composed(problem)));
         }
         Ok(self.add(Node::Compound(compound, arguments), span.start..end, true))
     }

@@ -58,6 +58,7 @@ pub(super) fn called<'a>(name: &str, scope: Scope<'a>) -> Result<Known<'a>, Prob
             section if compound.parts.is_some() && !may_have_parts(compound, section) => {
                 let problem = match section {
                     Section::Measurement => ComposedProblem::PartsMeasured(name.to_string()),
+                    Section::Initial => ComposedProblem::PartsAtStart(name.to_string()),
                     _ => ComposedProblem::PartsElsewhere(name.to_string()),
                 };
                 Err(Problem::Composed(problem))

@@ -6,7 +6,7 @@ use bytemuck::{Pod, TransparentWrapper, Zeroable};
 
 use super::functions::{self, cos_of_all, exp_of_all, ln_of_all, pow_of_all, sin_of_all, tanh_of_all};
 use super::scalar::{Scalar, power};
-use crate::batch::LANES;
+use crate::batch::{LANES, by_widest_vectors};
 
 /// One number of each of `W` particles, [`LANES`] if nothing else is said. Every lane is computed by itself, to the last bit as a number alone.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable, TransparentWrapper)]
@@ -100,7 +100,13 @@ impl<const W: usize> Scalar for Lanes<W> {
     #[inline]
     fn ln(self) -> Self {
         // Most scales are the same for all particles.
-        self.same().map_or_else(|| Lanes(ln_of_all(&self.0)), |same| Lanes::from(functions::ln(same)))
+        match self.same() {
+            Some(same) => Lanes::from(by_widest_vectors(
+                #[inline(always)]
+                || functions::ln(same),
+            )),
+            None => Lanes(ln_of_all(&self.0)),
+        }
     }
 
     #[inline(always)]

@@ -8,6 +8,7 @@ use super::backward::local;
 use super::component::{Component, PotentialComponent};
 use super::error::LookAheadError;
 use super::local::{Local, LocalMap};
+use super::potential::Numbers;
 use super::recorded::RecordedStep;
 use super::smoother::{Smoothed, smooth};
 use crate::proposals::{log_add, noise_share};
@@ -20,11 +21,11 @@ pub(super) struct StepAhead {
     /// The quadratics that its potential is the sum of, at least one.
     pub(super) components: Vec<Component>,
     /// `v̂`, about which the map is linearised, `Q`.
-    pub(super) noise: Vec<f64>,
+    pub(super) noise: Numbers,
     /// The share of particles that is drawn from the noise's own distribution where nobody says another.
     pub(super) share: f64,
     /// Where each coordinate is a normal draw of its own, in order, its variances near the path: the squares of `S`, `N`.
-    pub(super) variances: Option<Vec<f64>>,
+    pub(super) variances: Option<Numbers>,
 }
 
 impl StepAhead {
@@ -56,7 +57,8 @@ pub(super) fn look<M: Linearise + ?Sized>(
 ) -> Result<(Vec<StepAhead>, bool), LookAheadError> {
     let draws = draws_of_all(model, recorded)?;
     let counts: Vec<usize> = draws.iter().map(Vec::len).collect();
-    let Smoothed { path, potentials, maps, has_converged, .. } = smooth(model, recorded, &counts)?;
+    let Smoothed { path, potentials, linearised, has_converged, .. } = smooth(model, recorded, &counts)?;
+    let maps = &linearised.maps;
     let mut steps = Vec::with_capacity(recorded.len());
     for (index, potential) in potentials.into_iter().enumerate() {
         let RecordedStep { step, measurement } = &recorded[index];
@@ -66,7 +68,7 @@ pub(super) fn look<M: Linearise + ?Sized>(
             step: step.clone(),
             measurement: measurement.clone(),
             components: vec![Component::new(0.0, potential, variances.as_deref())],
-            noise: path.noise(index).to_vec(),
+            noise: Numbers::from_slice(path.noise(index)),
             share: noise_share(&draws[index]),
             variances,
         });
@@ -118,7 +120,7 @@ pub(super) fn step_by<M: Linearise + ?Sized>(
     if components.is_empty() {
         return Err(LookAheadError::Step { index, what: "the number of quadratics", found: 0, expected: 1 });
     }
-    let (noise, mut map) = (vec![0.0; draws.len()], LocalMap::default());
+    let (noise, mut map) = (Numbers::from_elem(0.0, draws.len()), LocalMap::default());
     local.map(&step.step(), near, &noise, &mut map);
     let variances = normal_variances(model, &step.step(), near, draws, &map);
     let of_one = |component: &PotentialComponent| {
@@ -172,7 +174,7 @@ fn normal_variances<M: Linearise + ?Sized>(
     previous: Option<&[f64]>,
     draws: &[Draw],
     map: &LocalMap,
-) -> Option<Vec<f64>> {
+) -> Option<Numbers> {
     let n = model.state_dim();
     let is_plain = draws.len() == n && draws.iter().all(|draw| *draw == Draw::Normal);
     let is_diagonal = |place: usize| place / n == place % n || map.along_noise[place] == 0.0;

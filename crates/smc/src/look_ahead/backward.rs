@@ -2,11 +2,11 @@
 
 use motes_models::StateSpaceModel;
 
-use super::dense::{add_product_of_transposed, add_times, product};
+use super::dense::{add_times, product};
 use super::error::LookAheadError;
 use super::local::{Local, LocalMap, LocalSite};
 use super::path::{Path, Policy};
-use super::potential::{Guidance, Potential};
+use super::potential::{Guidance, Numbers, Potential};
 use super::recorded::RecordedStep;
 
 /// A path with its model linearised along it.
@@ -14,7 +14,7 @@ use super::recorded::RecordedStep;
 pub(super) struct LinearisedPath {
     /// Of each step.
     pub(super) maps: Vec<LocalMap>,
-    sites: Vec<LocalSite>,
+    pub(super) sites: Vec<LocalSite>,
 }
 
 impl LinearisedPath {
@@ -47,17 +47,20 @@ impl LinearisedPath {
     pub(super) fn potentials(&self, path: &Path) -> Result<(Vec<Potential>, Policy), LookAheadError> {
         let (n, steps) = (path.width, path.len());
         let mut potentials: Vec<Potential> = Vec::with_capacity(steps);
-        let mut policy =
-            Policy { moves: vec![0.0; path.noise.len()], feedback: vec![0.0; path.noise.len() * n] };
+        let place = path.factor_place();
+        let mut policy = Policy {
+            moves: vec![0.0; path.noise.len()],
+            feedback: vec![0.0; path.noise.len() * n],
+            factors: vec![0.0; place * steps],
+        };
         let (mut guidance, mut at_zero) = (Guidance::default(), vec![0.0; n]);
         for index in (0..steps).rev() {
-            let LocalSite { slope, roots } = &self.sites[index];
+            let LocalSite { slope, curvature, .. } = &self.sites[index];
             let mut potential = Potential {
-                reference: path.state(index).to_vec(),
-                curvature: vec![0.0; n * n],
-                slope: slope.clone(),
+                reference: Numbers::from_slice(path.state(index)),
+                curvature: Numbers::from_slice(curvature),
+                slope: Numbers::from_slice(slope),
             };
-            add_product_of_transposed(roots, roots, [n, roots.len() / n, n], &mut potential.curvature);
             if let Some(next) = self.maps.get(index + 1) {
                 // Of the step after this one, from the turn before.
                 guidance.add_through(&next.along_previous, &at_zero, &mut potential);
@@ -74,6 +77,7 @@ impl LinearisedPath {
             let turned: Vec<f64> = noise.iter().map(|v| -v).collect();
             add_times(&map.along_noise, &turned, &mut at_zero);
             guidance.find(&potential, &map.along_noise);
+            policy.factors[index * place..][..guidance.lower.len()].copy_from_slice(&guidance.lower);
             // w = κ − K d₀ − v̂, and C = K F.
             let begin = path.starts[index];
             let moves = &mut policy.moves[begin..begin + q];

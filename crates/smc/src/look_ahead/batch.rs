@@ -44,12 +44,14 @@ impl<M: Linearise + ?Sized> LookAheadBatch<'_, M> {
     ) -> Lanes {
         let Numbers { normals, is_from_prior, uniforms } = numbers;
         if self.now.components.len() > 1 {
-            guide.choose(uniforms);
-            guide.draw_chosen(is_from_prior, normals);
             let StepAhead { components, variances, .. } = self.now;
             let log = by_widest_vectors(
                 #[inline(always)]
-                || guide.log_mixture(components, variances.is_some(), normals),
+                || {
+                    guide.choose(uniforms);
+                    guide.draw_chosen(is_from_prior, normals);
+                    guide.log_mixture(components, variances.is_some(), normals)
+                },
             );
             match variances {
                 // Normal draws lie on their line.

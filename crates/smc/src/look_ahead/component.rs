@@ -3,7 +3,7 @@
 use motes_models::equations::triangle::{at, factor_from_last};
 
 use super::error::LookAheadError;
-use super::potential::Potential;
+use super::potential::{Numbers, Potential};
 
 /// A quadratic of a potential `ψ_t(x) = Σ_j w_j exp(−½ |R_j (x − r_j)|²)`.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +30,7 @@ impl PotentialComponent {
             let rows = self.root.len().div_ceil(n);
             return wrong("the length of the root of a quadratic", self.root.len(), rows * n);
         }
-        let mut curvature = vec![0.0; n * n];
+        let mut curvature = Numbers::from_elem(0.0, n * n);
         for row in self.root.chunks_exact(n) {
             for i in 0..n {
                 for j in 0..n {
@@ -38,7 +38,11 @@ impl PotentialComponent {
                 }
             }
         }
-        let potential = Potential { reference: self.centre.clone(), curvature, slope: vec![0.0; n] };
+        let potential = Potential {
+            reference: Numbers::from_slice(&self.centre),
+            curvature,
+            slope: Numbers::from_elem(0.0, n),
+        };
         match potential.is_finite() && self.log_weight.is_finite() {
             true => Ok(potential),
             false => Err(LookAheadError::Potential { index }),
@@ -53,7 +57,9 @@ pub(super) struct Component {
     pub(super) log_weight: f64,
     pub(super) potential: Potential,
     /// The `L` with `Λ = I + S A S = Lᵀ L` at the variances of the step; nothing where it has none.
-    pub(super) lower: Vec<f64>,
+    pub(super) lower: Numbers,
+    /// `½ log |Λ|` of it.
+    pub(super) log_determinant: f64,
     is_flat: bool,
 }
 
@@ -61,7 +67,7 @@ impl Component {
     /// That of a step whose coordinates are normal draws of their own with these variances, if they are.
     pub(super) fn new(log_weight: f64, potential: Potential, variances: Option<&[f64]>) -> Self {
         let n = potential.reference.len();
-        let mut lower = Vec::new();
+        let mut lower = Numbers::new();
         if let Some(variances) = variances {
             lower.resize(n * (n + 1) / 2, 0.0);
             for i in 0..n {
@@ -72,8 +78,10 @@ impl Component {
             }
             factor_from_last(n, &mut lower);
         }
+        let has_lower = variances.is_some();
+        let log_determinant = (0..n).filter(|_| has_lower).map(|i| lower[at(i, i)].ln()).sum();
         let is_flat = potential.curvature.iter().chain(&potential.slope).all(|entry| *entry == 0.0);
-        Component { log_weight, potential, lower, is_flat }
+        Component { log_weight, potential, lower, log_determinant, is_flat }
     }
 
     /// Whether it is the same for all states.

@@ -1,8 +1,10 @@
 //! A model near a single state: its map of noise and its measurement, linearised.
 
 use motes_models::Step;
-use motes_models::batch::LANES;
+use motes_models::batch::{LANES, load, store};
 use motes_models::equations::{Lanes, NoiseSpace};
+
+use super::dense::add_product_of_transposed;
 
 /// `x ≈ x⁺ + F (x' − x̂') + G (v − v̂)` of a step.
 #[derive(Debug, Clone, Default)]
@@ -22,6 +24,8 @@ pub(super) struct LocalSite {
     pub(super) slope: Vec<f64>,
     /// `R`, of which `RᵀR` is the Fisher information, `2M×N`; nothing where nothing is measured.
     pub(super) roots: Vec<f64>,
+    /// What stands for minus the second derivatives, `N×N`: the Fisher information at a state, or their mean over states.
+    pub(super) curvature: Vec<f64>,
 }
 
 /// Asks a model about one state at a time.
@@ -80,6 +84,28 @@ impl<'m> Local<'m> {
         value.iter().chain(&*along_noise).chain(&*along_previous).all(|number| number.is_finite())
     }
 
+    /// The scores `∂ log p(y | x)/∂x` of a measurement (`M`) at each row of `states` (`R×N`), into `scores`, alike.
+    pub(super) fn scores(
+        &mut self,
+        step: &Step<'_>,
+        states: &[f64],
+        measurement: &[Option<f64>],
+        scores: &mut [f64],
+    ) {
+        let n = self.n;
+        self.measurement.clear();
+        self.measurement.extend(measurement.iter().map(|entry| entry.map(Lanes::from)));
+        self.states.resize(n * LANES, 0.0);
+        self.derivatives.resize((1 + 2 * measurement.len()) * n * LANES, 0.0);
+        let (slopes, roots) = self.derivatives.split_at_mut(n * LANES);
+        for (rows, scores) in states.chunks(n * LANES).zip(scores.chunks_mut(n * LANES)) {
+            load(rows, n, &mut self.states);
+            let count = rows.len() / n;
+            self.model.tile_sites(step, &self.states, &self.measurement, count, slopes, roots);
+            store(slopes, n, scores);
+        }
+    }
+
     /// The site of a measurement (`M`) near `state` (`N`), into `site`.
     pub(super) fn site(
         &mut self,
@@ -91,6 +117,8 @@ impl<'m> Local<'m> {
         let n = self.n;
         site.slope.clear();
         site.roots.clear();
+        site.curvature.clear();
+        site.curvature.resize(n * n, 0.0);
         if measurement.iter().all(Option::is_none) {
             site.slope.resize(n, 0.0);
             return;
@@ -103,5 +131,7 @@ impl<'m> Local<'m> {
         self.model.tile_sites(step, &self.states, &self.measurement, 1, slopes, roots);
         site.slope.extend(first_lanes(slopes));
         site.roots.extend(first_lanes(roots));
+        let count = site.roots.len() / n;
+        add_product_of_transposed(&site.roots, &site.roots, [n, count, n], &mut site.curvature);
     }
 }

@@ -11,40 +11,48 @@ use crate::proposals::lanes;
 
 impl TileGuide {
     /// Chooses a quadratic for each particle of the tile, with probability `w_j Z̃_j / Z̃`, by a uniform number of each.
+    #[inline(always)]
     pub(super) fn choose(&mut self, uniforms: &[f64; LANES]) {
         let TileGuide { shares, mean, lower, chosen: [chosen_mean, chosen_lower], .. } = self;
         let count = shares.len() / LANES;
-        let (q, entries) = (mean.len() / count, lower.len() / count);
-        chosen_mean.resize(q, 0.0);
-        chosen_lower.resize(entries, 0.0);
-        for (lane, uniform) in uniforms.iter().enumerate() {
-            let mut rest = *uniform;
-            // The last is taken where rounding leaves something.
-            let place = (0..count - 1).find(|place| {
-                rest -= shares[place * LANES + lane];
-                rest < 0.0
-            });
-            let place = place.unwrap_or(count - 1);
-            for (chosen, all) in [(&mut *chosen_mean, &*mean), (&mut *chosen_lower, &*lower)] {
-                let width = chosen.len();
-                let of_lane = all[place * width..][..width].iter().skip(lane).step_by(LANES);
-                chosen.iter_mut().skip(lane).step_by(LANES).zip(of_lane).for_each(|(to, from)| *to = *from);
+        // Shares that are passed in order; the last is taken where rounding leaves something.
+        let (mut rest, mut places) = (*uniforms, [0.0; LANES]);
+        for share in &lanes(shares)[..count - 1] {
+            for lane in 0..LANES {
+                rest[lane] -= share.0[lane];
+                places[lane] += if rest[lane] < 0.0 { 0.0 } else { 1.0 };
+            }
+        }
+        for (chosen, all) in [(chosen_mean, mean), (chosen_lower, lower)] {
+            let width = all.len() / count;
+            chosen.resize(width, 0.0);
+            for (place, of_one) in all.chunks_exact_mut(width).enumerate() {
+                let place = place as f64;
+                for (to, from) in lanes(chosen).iter_mut().zip(lanes(of_one)) {
+                    for ((to, from), own) in to.0.iter_mut().zip(from.0).zip(places) {
+                        *to = if own == place { from } else { *to };
+                    }
+                }
             }
         }
     }
 
     /// Turns standard normal numbers (`Q × LANES`) into noise of the chosen Gaussians; some particles keep theirs, as they come from the noise's own distribution.
-    pub(super) fn draw_chosen(&self, is_from_prior: &[bool; LANES], normals: &mut [f64]) {
-        let [mean, lower] = self.chosen.each_ref().map(|chosen| chosen.as_chunks::<LANES>().0);
-        let normals = lanes(normals);
+    #[inline(always)]
+    pub(super) fn draw_chosen(&mut self, is_from_prior: &[bool; LANES], normals: &mut [f64]) {
+        let [mean, lower] = &mut self.chosen;
+        let (mean, lower, normals) = (lanes(mean), lanes(lower), lanes(normals));
         for i in 0..normals.len() {
             let row = &lower[at(i, 0)..=at(i, i)];
-            let mut v = normals[i];
-            for lane in (0..LANES).filter(|lane| !is_from_prior[*lane]) {
-                let of_others = (0..i).map(|j| row[j][lane] * (normals[j].0[lane] - mean[j][lane]));
-                v.0[lane] = mean[i][lane] + (v.0[lane] - of_others.sum::<f64>()) / row[i][lane];
+            let mut sum = Lanes::from(0.0);
+            for j in 0..i {
+                sum = sum + row[j] * (normals[j] - mean[j]);
             }
-            normals[i] = v;
+            let drawn = mean[i] + (normals[i] - sum) / row[i];
+            for (lane, is_from_prior) in is_from_prior.iter().enumerate() {
+                let number = &mut normals[i].0[lane];
+                *number = if *is_from_prior { *number } else { drawn.0[lane] };
+            }
         }
     }
 

@@ -19,14 +19,17 @@
 //! `Z_t(d) ∝ exp(−½ dᵀMd + uᵀd)`, `M = (I − GK)ᵀA(I − GK) + KᵀK`, `u = b − KᵀGᵀb`,
 //!
 //! and `A_{t−1} = Λ_{t−1} + FᵀMF`. No covariance is inverted, so that coordinates without noise, known starts, gaps and steps of any number of draws need nothing of their own.
+//! With these potentials smoothed states are Gaussian, and sites become their averages over them, `E[∂ log p/∂x]` and `−E[∂² log p/∂x²]`, where such states have a density.
 //!
 //! A potential may also be a sum of quadratics `ψ = Σ_j w_j ψ_j` that came from elsewhere ([`LookAhead::from_potentials`]), as from a network. Then `Z̃ = Σ_j w_j Z̃_j`, and noise is drawn
 //! from the mixture of the Gaussians `N(v; 0, I) ψ̃_j / Z̃_j` with shares `w_j Z̃_j / Z̃`.
 //!
 //! Guarniero, Johansen and Lee, The iterated auxiliary particle filter, Journal of the American Statistical Association 112 (2017); Heng, Bishop, Deligiannidis and Doucet, Controlled
-//! sequential Monte Carlo, Annals of Statistics 48 (2020).
+//! sequential Monte Carlo, Annals of Statistics 48 (2020). García-Fernández, Svensson and Särkkä, Iterated posterior linearization smoother, IEEE Transactions on Automatic Control 62
+//! (2017).
 
 mod ahead;
+mod averages;
 mod backward;
 mod batch;
 mod component;

@@ -1,5 +1,7 @@
 //! A path through a sequence: its states and the noise that they are made of, and how it is to be moved.
 
+use motes_models::equations::triangle;
+
 /// States and noise of each step.
 #[derive(Debug, Clone)]
 pub(super) struct Path {
@@ -41,6 +43,12 @@ impl Path {
         index.checked_sub(1).map(|before| self.state(before))
     }
 
+    /// The numbers of the largest triangle of `Q×Q`.
+    pub(super) fn factor_place(&self) -> usize {
+        let draws = self.starts.windows(2).map(|pair| pair[1] - pair[0]);
+        draws.max().map_or(0, |most| triangle::at(most, 0))
+    }
+
     /// `v_t`.
     pub(super) fn noise(&self, index: usize) -> &[f64] {
         &self.noise[self.starts[index]..self.starts[index + 1]]
@@ -54,4 +62,6 @@ pub(super) struct Policy {
     pub(super) moves: Vec<f64>,
     /// `C_t` (`Q×N`) of all steps.
     pub(super) feedback: Vec<f64>,
+    /// The factors of `Λ_t = L Lᵀ` of all steps, each in a place of `Q(Q+1)/2` for the largest `Q`.
+    pub(super) factors: Vec<f64>,
 }

@@ -1,20 +1,24 @@
 //! A quadratic log-function of a state, and what it says of the noise that makes the state.
 
 use motes_models::equations::triangle::{at, factor, solve_lower, solve_upper};
+use smallvec::SmallVec;
 
 use super::dense::{
     add_product_of_transposed, add_times, add_transposed_times, product, product_of_transposed,
 };
 
+/// Few numbers of a step, kept where they are: there are many steps.
+pub(super) type Numbers = SmallVec<[f64; 4]>;
+
 /// `log ψ(x) = −½ (x − r)ᵀ A (x − r) + bᵀ (x − r)`, with a positive semidefinite `A`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Potential {
     /// `r`, `N`.
-    pub(super) reference: Vec<f64>,
+    pub(super) reference: Numbers,
     /// `A`, `N×N`.
-    pub(super) curvature: Vec<f64>,
+    pub(super) curvature: Numbers,
     /// `b`, `N`.
-    pub(super) slope: Vec<f64>,
+    pub(super) slope: Numbers,
 }
 
 impl Potential {
@@ -48,7 +52,7 @@ pub(super) struct Guidance {
     /// `A G` (`N×Q`), then `I − G K` (`N×N`), and the products of these with others.
     products: [Vec<f64>; 2],
     /// The factor of `Λ = I + Gᵀ A G`.
-    lower: Vec<f64>,
+    pub(super) lower: Vec<f64>,
 }
 
 impl Guidance {
@@ -86,7 +90,8 @@ impl Guidance {
         self.offset.resize(q, 0.0);
         add_transposed_times(along_noise, slope, &mut self.offset);
         // u = b − Kᵀ Gᵀ b.
-        self.slope.clone_from(slope);
+        self.slope.clear();
+        self.slope.extend_from_slice(slope);
         let pulled: Vec<f64> = self.offset.iter().map(|entry| -entry).collect();
         add_transposed_times(&self.gain, &pulled, &mut self.slope);
         solve_lower(q, &self.lower, &mut self.offset);

@@ -2,9 +2,10 @@
 
 use motes_models::StateSpaceModel;
 
+use super::averages::Averages;
 use super::backward::{LinearisedPath, local};
 use super::error::LookAheadError;
-use super::local::{Local, LocalMap};
+use super::local::Local;
 use super::path::{Path, Policy};
 use super::potential::Potential;
 use super::recorded::RecordedStep;
@@ -14,17 +15,21 @@ use super::start::filtered_means;
 /// Iterations of one start at the most.
 const MOST_ITERATIONS: usize = 12;
 
-/// The largest change of a number of noise, whose standard deviation is 1, at which a path has converged.
-const TOLERANCE: f64 = 1e-3;
+/// The largest change of a number of noise, whose standard deviation is 1, at which a path has converged: potentials are quadratics about it, which are as good from a little further away.
+const TOLERANCE: f64 = 0.03;
 
 /// The share of what measurements say by which a second start goes.
 const TEMPERED: f64 = 0.1;
+
+/// How often sites are averaged over smoothed states, which these averages then move a little.
+const AVERAGED: usize = 2;
 
 /// A path and all that looking ahead needs of it.
 pub(super) struct Smoothed {
     pub(super) path: Path,
     pub(super) potentials: Vec<Potential>,
-    pub(super) maps: Vec<LocalMap>,
+    pub(super) linearised: LinearisedPath,
+    policy: Policy,
     /// `Σ_t log p(y_t | x_t) − ½ |v_t|²`.
     objective: f64,
     pub(super) has_converged: bool,
@@ -65,7 +70,16 @@ pub(super) fn smooth<M: StateSpaceModel + ?Sized>(
             Err(error) => failure = error,
         }
     }
-    best.ok_or(failure)
+    let mut best = best.ok_or(failure)?;
+    let mut averages = Averages::default();
+    for _ in 0..AVERAGED {
+        averages.find(&mut local(model)?, recorded, &best.path, &best.policy, &mut best.linearised);
+        match best.linearised.potentials(&best.path) {
+            Ok((potentials, policy)) => (best.potentials, best.policy) = (potentials, policy),
+            Err(_) => break,
+        }
+    }
+    Ok(best)
 }
 
 /// Iterations from one start.
@@ -86,6 +100,7 @@ fn from_start<M: StateSpaceModel + ?Sized>(
             let still = Policy {
                 moves: vec![0.0; path.noise.len()],
                 feedback: vec![0.0; path.noise.len() * path.width],
+                factors: Vec::new(),
             };
             path = roll(model, noise_space, recorded, &path, &still)?.path;
         }
@@ -108,6 +123,6 @@ fn from_start<M: StateSpaceModel + ?Sized>(
         }
     }
     linearised.along(&mut local, recorded, &path)?;
-    let (potentials, _) = linearised.potentials(&path)?;
-    Ok(Smoothed { path, potentials, maps: linearised.maps, objective, has_converged })
+    let (potentials, policy) = linearised.potentials(&path)?;
+    Ok(Smoothed { path, potentials, policy, linearised, objective, has_converged })
 }

@@ -14,6 +14,9 @@ use crate::proposals::lanes;
 /// The least logarithm of an expectation: one that is 0 for a particle far away would be divided by.
 pub(super) const LEAST: f64 = -1e250;
 
+/// What is smaller by this much in the logarithm adds nothing to a sum; below it exponentials are slow.
+const NEGLIGIBLE: f64 = -699.0;
+
 impl TileGuide {
     /// Finds the Gaussians of the noise of each particle, `N(v; m_j, Λ_j⁻¹)`, and the logarithm of `Z̃(x') = Σ_j w_j Z̃_j(x')`.
     pub(super) fn find<M: Linearise + ?Sized>(
@@ -70,7 +73,7 @@ impl TileGuide {
     #[inline(always)]
     fn of_diagonal(&mut self, number: usize, component: &Component, is_known: bool) -> Lanes {
         let TileGuide { centres, jacobian, spare, mean, lower, .. } = self;
-        let Component { log_weight, potential, lower: known, .. } = component;
+        let Component { log_weight, potential, lower: known, log_determinant, .. } = component;
         let (centres, sds) = (lanes(centres), lanes(jacobian));
         let n = centres.len();
         let (d, pull) = lanes(spare).split_at_mut(n);
@@ -87,6 +90,7 @@ impl TileGuide {
             for (entry, known) in lower.iter_mut().zip(known) {
                 *entry = Lanes::from(*known);
             }
+            log + completed(mean, lower) + (*log_weight - *log_determinant)
         } else {
             for i in 0..n {
                 for j in 0..=i {
@@ -95,8 +99,8 @@ impl TileGuide {
                 }
             }
             factor_from_last(n, lower);
+            log + completed(mean, lower) - log_diagonal(n, lower) + *log_weight
         }
-        log + completed(mean, lower) + *log_weight
     }
 
     /// Where `x = c + J (v − v̂)`; `c` becomes what the line is at `v = 0`.
@@ -165,7 +169,7 @@ impl TileGuide {
             lower[at(k, k)] = lower[at(k, k)] + 1.0;
         }
         factor_from_last(q, lower);
-        log + completed(mean, lower) + *log_weight
+        log + completed(mean, lower) - log_diagonal(q, lower) + *log_weight
     }
 
     /// `log Z̃` of all quadratics, each by `of_one`, and their shares of it.
@@ -212,7 +216,7 @@ pub(super) fn exponentials(logs: &mut [Lanes]) -> (Lanes, Lanes) {
     let most = logs.iter().skip(1).fold(logs[0], |most, log| most.max(*log));
     let mut total = Lanes::from(0.0);
     for log in logs.iter_mut() {
-        *log = (*log - most).exp();
+        *log = (*log - most).max(Lanes::from(NEGLIGIBLE)).exp();
         total = total + *log;
     }
     (most + total.ln(), total)
@@ -237,15 +241,21 @@ pub(super) fn pull_of(potential: &Potential, d: &[Lanes], pull: &mut [Lanes]) ->
     log
 }
 
-/// `½ hᵀ Λ⁻¹ h − ½ log |Λ|` of the `h` in `mean`, which becomes `Λ⁻¹ h`.
+/// `½ hᵀ Λ⁻¹ h` of the `h` in `mean`, which becomes `Λ⁻¹ h`.
 #[inline(always)]
 fn completed(mean: &mut [Lanes], lower: &[Lanes]) -> Lanes {
     let q = mean.len();
-    let mut log = Lanes::from(0.0);
+    let mut half = Lanes::from(0.0);
     solve_upper(q, lower, mean);
-    for (i, entry) in mean.iter().enumerate() {
-        log = log + *entry * *entry * 0.5 - lower[at(i, i)].ln();
+    for entry in mean.iter() {
+        half = half + *entry * *entry * 0.5;
     }
     solve_lower(q, lower, mean);
-    log
+    half
+}
+
+/// `½ log |Λ|` of `Λ = Lᵀ L`.
+#[inline(always)]
+fn log_diagonal(q: usize, lower: &[Lanes]) -> Lanes {
+    (0..q).fold(Lanes::from(0.0), |log, i| log + lower[at(i, i)].ln())
 }

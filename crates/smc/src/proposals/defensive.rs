@@ -5,7 +5,7 @@ use motes_models::{StateSpaceModel, Stream};
 use rand::RngExt;
 
 use super::bootstrap::Transition;
-use super::log_add::log_add;
+use super::log_add::log_add_all;
 use crate::proposal::Conditional;
 
 /// `(1 − α) q(x_t | past, y_t) + α p(x_t | x_{t−1})` of a block of particles, the density of which it states exactly.
@@ -43,9 +43,7 @@ impl<C: Conditional, M: StateSpaceModel + ?Sized> Defensive<'_, C, M> {
         self.base.log_density(states, mixture);
         self.transition.log_density(states, transition);
         let (log_base, log_safe) = ((-self.weight).ln_1p(), self.weight.ln());
-        for (base, safe) in mixture.iter_mut().zip(&*transition) {
-            *base = log_add(*base + log_base, safe + log_safe);
-        }
+        log_add_all(mixture, log_base, |row| transition[row], log_safe);
     }
 }
 

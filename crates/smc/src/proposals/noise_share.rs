@@ -2,7 +2,7 @@
 
 use motes_models::equations::Draw;
 
-use super::log_add::log_add;
+use super::log_add::log_add_all;
 
 /// `α` where some draw is not normal.
 const SHARE: f64 = 0.1;
@@ -21,7 +21,6 @@ pub fn weigh_with_share(log_ratios: &mut [f64], share: f64) {
         return log_ratios.iter_mut().for_each(|ratio| *ratio = -*ratio);
     }
     let (log_proposal, log_share) = ((-share).ln_1p(), share.ln());
-    for ratio in log_ratios {
-        *ratio = -log_add(*ratio + log_proposal, log_share);
-    }
+    log_add_all(log_ratios, log_proposal, |_| log_share, 0.0);
+    log_ratios.iter_mut().for_each(|ratio| *ratio = -*ratio);
 }

@@ -116,8 +116,8 @@ fn draw(line: &str) -> String {
 
 #[test]
 fn draws_of_several_parts_as_a_state() {
-    insta::assert_snapshot!(refused(&transition("euler_multinomial(5, 0.1, 0.2)")), @r#"m.toml, line 7, column 6, [transition] x: `euler_multinomial` draws several numbers at once; as a line of [draws], n = "euler_multinomial(…)", they are n[0], n[1], …, which any line of [transition] may use"#);
-    insta::assert_snapshot!(refused(&initial("euler_multinomial(5, 0.1, 0.2)")), @r#"m.toml, line 5, column 6, [initial] x: `euler_multinomial` draws several numbers at once; as a line of [draws], n = "euler_multinomial(…)", they are n[0], n[1], …, which any line of [transition] may use"#);
+    insta::assert_snapshot!(refused(&transition("euler_multinomial(5, 0.1, 0.2)")), @r#"m.toml, line 7, column 6, [transition] x: `euler_multinomial` draws several numbers at once; as a line of [draws], n = "euler_multinomial(…)", they are n[0], n[1], …, which any line of [transition] may use, as in x[2] = "n[i]""#);
+    insta::assert_snapshot!(refused(&initial("euler_multinomial(5, 0.1, 0.2)")), @r#"m.toml, line 5, column 6, [initial] x: `euler_multinomial` draws several numbers at once; a start that does is an mvnormal or a dirichlet"#);
 }
 
 #[test]
@@ -129,6 +129,13 @@ fn draws_of_several_parts_with_a_length() {
 fn draws_of_several_parts_in_a_sum() {
     insta::assert_snapshot!(refused(&draw("out = \"5 - euler_multinomial(5, 0.1, 0.2)\"")), @"m.toml, line 7, column 12, [draws] out: `euler_multinomial` stands alone; as a line of [draws] its values can be part of any formula of [transition]");
     insta::assert_snapshot!(refused(&draw("out = \"euler_multinomial(5, 0.1, 0.2)/5\"")), @"m.toml, line 7, column 8, [draws] out: `euler_multinomial` stands alone; as a line of [draws] its values can be part of any formula of [transition]");
+}
+
+#[test]
+fn a_categorical_that_does_not_stand_alone() {
+    insta::assert_snapshot!(refused(&initial("1 + categorical(0.5, 0.5)")), @"m.toml, line 5, column 10, [initial] x: `categorical` stands alone; formulas of the lines below it may use what it draws");
+    insta::assert_snapshot!(refused(&measurement("rounded(categorical(0.5, 0.5))")), @"m.toml, line 9, column 14, [measurement] y: `categorical` stands alone; it is measured as it is, not shifted, scaled or inside of another distribution");
+    insta::assert_snapshot!(refused(&measurement("2*categorical(0.5, 0.5)")), @"m.toml, line 9, column 8, [measurement] y: `categorical` stands alone; it is measured as it is, not shifted, scaled or inside of another distribution");
 }
 
 #[test]

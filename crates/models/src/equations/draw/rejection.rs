@@ -38,7 +38,7 @@ pub(in crate::equations) trait Rejection {
     fn draw(a: f64, b: f64, first: Try<f64>, stream: &mut Stream) -> f64;
 }
 
-/// Particles that are rejected and tried again side by side.
+/// Particles that are rejected and tried again side by side, if they are more than a quarter of it.
 const AGAIN: usize = 8;
 
 /// Writes draws of the first `particles`, of which the first try is given; the others hold anything.
@@ -52,11 +52,26 @@ pub(in crate::equations) fn draw_all<M: Rejection, const W: usize>(
     drawn: &mut [f64; W],
 ) {
     M::quick(a, b, first, drawn);
+    // Few are left, and which ones is chance: a bit for each costs less than a branch for each.
+    let mut left = by_widest_vectors(
+        #[inline(always)]
+        || {
+            const { assert!(W <= 64) };
+            let mut left = 0_u64;
+            for (lane, drawn) in drawn.iter().enumerate() {
+                let is_accepted = *drawn >= 0.0;
+                left |= u64::from(!is_accepted) << lane;
+            }
+            left
+        },
+    );
+    if particles < W {
+        left &= (1 << particles) - 1;
+    }
     let (mut rejected, mut count) = ([0; W], 0);
-    for lane in 0..particles.min(W) {
-        if drawn[lane] >= 0.0 {
-            continue;
-        }
+    while left != 0 {
+        let lane = left.trailing_zeros() as usize;
+        left &= left - 1;
         if drawn[lane] == UNDECIDED {
             drawn[lane] = alone::<M>(a[lane], b[lane], first.of(lane), stream);
         } else {
@@ -65,11 +80,17 @@ pub(in crate::equations) fn draw_all<M: Rejection, const W: usize>(
         }
     }
     for lanes in rejected[..count].chunks(AGAIN) {
-        again::<M, W>(a, b, lanes, drawn, stream);
+        if lanes.len() > AGAIN / 4 {
+            again::<M, W>(a, b, lanes, drawn, stream);
+        } else {
+            for lane in lanes {
+                drawn[*lane] = alone::<M>(a[*lane], b[*lane], fresh::<M>(stream), stream);
+            }
+        }
     }
 }
 
-/// Tries of some particles that were rejected, once side by side, and then one by one.
+/// Tries of some particles that were rejected: once side by side, and then one by one.
 fn again<M: Rejection, const W: usize>(
     a: &[f64; W],
     b: &[f64; W],
@@ -79,7 +100,6 @@ fn again<M: Rejection, const W: usize>(
 ) {
     let (mut normals, mut uniforms) = ([0.0; AGAIN], [[0.0; AGAIN]; 2]);
     let mut found = [f64::NAN; AGAIN];
-    let is_together = lanes.len() > AGAIN / 4;
     // Places without a particle do what the first one does.
     let [mut own_a, mut own_b] = [a, b].map(|of_all| [of_all[lanes[0]]; AGAIN]);
     for (at, lane) in lanes.iter().enumerate() {
@@ -89,15 +109,11 @@ fn again<M: Rejection, const W: usize>(
         [own_a[at], own_b[at]] = [a[*lane], b[*lane]];
     }
     let random = Try { normal: &normals, uniforms: uniforms.each_ref() };
-    if is_together {
-        M::quick(&own_a, &own_b, &random, &mut found);
-    }
+    M::quick(&own_a, &own_b, &random, &mut found);
     for (at, lane) in lanes.iter().enumerate() {
         drawn[*lane] = match found[at] {
             accepted if accepted >= 0.0 => accepted,
-            undecided if undecided == UNDECIDED || !is_together => {
-                alone::<M>(own_a[at], own_b[at], random.of(at), stream)
-            }
+            undecided if undecided == UNDECIDED => alone::<M>(own_a[at], own_b[at], random.of(at), stream),
             _ => alone::<M>(own_a[at], own_b[at], fresh::<M>(stream), stream),
         };
     }
@@ -115,5 +131,7 @@ fn alone<M: Rejection>(a: f64, b: f64, first: Try<f64>, stream: &mut Stream) -> 
 /// Random numbers of another try.
 fn fresh<M: Rejection>(stream: &mut Stream) -> Try<f64> {
     let normal = if M::NEEDS.normals > 0 { stream.sample(StandardNormal) } else { 0.0 };
-    Try { normal, uniforms: [stream.random(), stream.random()] }
+    let mut uniforms = [0.0; 2];
+    uniforms[..M::NEEDS.uniforms].fill_with(|| stream.random());
+    Try { normal, uniforms }
 }

@@ -41,7 +41,7 @@ const BY_PARTICLES: [Known; 8] = [
     of("leverage", -2149.09344, 0.0, 5000),
     of("sir-incidence", -244.36, 0.04, 2000),
     of("federal-funds", -508.63592, 0.0, 5000),
-    of("blowflies", -1465.7, 0.2, 5000),
+    of("blowflies", -1465.7, 0.2, 20_000),
 ];
 
 /// Those whose data `fetch.py` gets.
