@@ -18,6 +18,9 @@ use crate::options::ProposalName;
 /// How much higher one run of another proposal must be (nats), beside noise, for it to be run as often.
 const MARGIN: f64 = 0.3;
 
+/// How many times as many runs confirm that a little more is found.
+const CONFIRMING: usize = 4;
+
 /// What another proposal has found of a series.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct SecondOpinion {
@@ -60,12 +63,23 @@ pub(super) fn second_opinion(
     }
     let Some((_, candidate)) = best else { return Ok(None) };
     let (of_series, with) = ((model, sequence), (options, options.particles));
-    let again = candidate.log_evidences(logs.len(), of_series, with, &seed.child("runs"), proceed)?;
-    let (higher, its_error) = mean_of_runs(&again);
-    let nats = higher - log;
-    let of_both = error.zip(its_error).map(|(error, other)| error.hypot(other));
-    let is_higher = nats > of_both.map_or(MISSED, noise_of);
-    Ok(is_higher.then_some(SecondOpinion { proposal: candidate.proposal, logs: again, nats }))
+    let runs = |count, name| candidate.log_evidences(count, of_series, with, &seed.child(name), proceed);
+    let higher = |found: &[f64]| {
+        let (found, its_error) = mean_of_runs(found);
+        let of_both = error.zip(its_error).map(|(error, other)| error.hypot(other));
+        let nats = found - log;
+        (nats > of_both.map_or(MISSED, noise_of)).then_some(nats)
+    };
+    let again = runs(logs.len(), "runs")?;
+    let Some(nats) = higher(&again) else { return Ok(None) };
+    let confirmed = if nats > MISSED {
+        Some((again, nats))
+    } else {
+        // A few runs know their own error badly.
+        let more = runs(CONFIRMING * logs.len(), "more runs")?;
+        higher(&more).map(|nats| (more[..logs.len()].to_vec(), nats))
+    };
+    Ok(confirmed.map(|(logs, nats)| SecondOpinion { proposal: candidate.proposal.clone(), logs, nats }))
 }
 
 /// Particles and runs of the filters of [`missed`].
