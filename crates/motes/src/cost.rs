@@ -8,7 +8,7 @@ use crate::filter_source::FilterSource;
 use crate::model::{Kind, Model};
 use crate::options::ProposalName;
 
-/// The work of a smoother for a time step, for each coordinate of the state, by how many iterations it takes: from 157 to 851 in six models, 477 in the middle.
+/// The work of a smoother for a time step, for each coordinate of the state, by how many iterations it takes: from 157 to 851 in seven models, 477 in the middle.
 const SMOOTHER: f64 = 500.0;
 
 /// A network for each particle.
