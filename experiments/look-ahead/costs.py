@@ -20,6 +20,7 @@ MODELS = sys.argv[2:] or ["growth", "ricker", "volatility", "bounded", "tracking
 TITLES = ["linearised", "look-ahead", "ahead", "now"]
 FEW, MANY = 96, 288
 SHORT, LONG = 30, 60
+ONE_RUN = ("--runs", 1, "--no-check")
 
 
 def motes(*arguments):
@@ -52,15 +53,14 @@ def row(name, folder):
     model, learned = ROOT / f"examples/{name}.toml", folder / name
     data = simulated(model, folder)
     said = subprocess.run([MOTES, "learn", model, "-o", learned, "--sequences", "0"], capture_output=True, text=True, check=True).stderr
-    one_run = ("--runs", 1, "--no-check")
-    plain, of_step = cost("evidence", model, data, "bootstrap", one_run)
+    plain, of_step = cost("evidence", model, data, "bootstrap", ONE_RUN)
     found = {}
     looked_at = [("linearised", "linearised"), ("look-ahead", "look-ahead")]
     # Where these are worse, a folder hands out something else, whose cost is that of others.
     if "potentials of a smoother have less error" not in said:
         looked_at.append(("ahead", learned))
     for title, proposal in looked_at:
-        particle, step = cost("evidence", model, data, proposal, one_run)
+        particle, step = cost("evidence", model, data, proposal, ONE_RUN)
         found[title] = particle / plain, (step - of_step) / plain
     if "filters draw by potentials of their step" in said:
         # Filters have estimates, which evidence has not.
@@ -81,7 +81,7 @@ def per_particle(folder):
     model, learned = ROOT / "examples/growth.toml", folder / "network"
     data = simulated(model, folder)
     motes("learn", model, "-o", learned, "--updates", 20, "--sequences", 0, "--head", "mixture", "--quiet")
-    plain, _ = cost("evidence", model, data, "bootstrap", ("--runs", 1, "--no-check"))
+    plain, _ = cost("evidence", model, data, "bootstrap", ONE_RUN)
     filtered, _ = cost("filter", model, data, "bootstrap", ("--no-check",))
     particle, _ = cost("filter", model, data, learned, ("--no-check",))
     return 1 + (particle - filtered) / plain

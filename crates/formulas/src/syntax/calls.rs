@@ -97,17 +97,14 @@ impl Parser<'_> {
             _ => self.numbers(compound.name, compound.parameters, span.start)?,
         };
         if !self.text[..span.start].trim().is_empty() || self.ahead != Token::End {
-            let name = compound.name.to_string();
-            let cure = match self.scope.section {
-                Section::Initial => "formulas of the lines below it may use what it draws",
-                Section::Measurement => {
-                    "it is measured as it is, not shifted, scaled or inside of another distribution"
-                }
-                _ => "as a line of [draws] its values can be part of any formula of [transition]",
-            };
+            let moved = |cure| ComposedProblem::CompoundMoved { name: compound.name.to_string(), cure };
             let problem = match self.scope.section {
-                Section::Parameters => ComposedProblem::PriorMoved(name),
-                _ => ComposedProblem::CompoundMoved { name, cure },
+                Section::Parameters => ComposedProblem::PriorMoved(compound.name.to_string()),
+                Section::Initial => moved("formulas of the lines below it may use what it draws"),
+                Section::Measurement => {
+                    moved("it is measured as it is, not shifted, scaled or inside of another distribution")
+                }
+                _ => moved("as a line of [draws] its values can be part of any formula of [transition]"),
             };
             return Err(Fault::at(span.start, Problem::Composed(problem)));
         }

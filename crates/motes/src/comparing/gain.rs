@@ -6,6 +6,9 @@ use crate::contender::Contender;
 /// Standard errors to either side of an interval that holds the truth in 90 of 100 cases.
 const WITHIN_90: f64 = 1.645;
 
+/// What rounding leaves of an error of the log-evidence: no proposal is known to be better than this.
+const ROUNDING: f64 = 1e-12;
+
 /// How many times as long another proposal takes for the same error of the log-evidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gain {
@@ -27,7 +30,8 @@ impl EqualTime {
         let filters = contenders.iter().filter(|one| !one.looks_ahead() && !one.is_learned());
         let over = *filters.min_by(|a, b| of_all(a).total_cmp(&of_all(b)))?;
         // Where nothing is measured, nobody has an error.
-        if of_all(over) == 0.0 {
+        let is_exact = |point: &Point| mean_square(point, None) <= ROUNDING * ROUNDING;
+        if self.points.iter().any(|point| point.contender == *over && is_exact(point)) {
             return None;
         }
         let sequences = self.points.first().map_or(0, |point| point.gaps.len());
@@ -63,7 +67,8 @@ pub(super) fn is_best_at_last(points: &[Point]) -> bool {
 
 fn mean_square(point: &Point, left_out: Option<usize>) -> f64 {
     let gaps = point.gaps.iter().enumerate().filter(|(at, _)| Some(*at) != left_out).map(|(_, gap)| gap);
-    let squares: Vec<f64> = gaps.map(|gap| gap.map_or(f64::INFINITY, |gap| gap * gap)).collect();
+    let squares: Vec<f64> =
+        gaps.map(|gap| gap.map_or(f64::INFINITY, |gap| gap.abs().max(ROUNDING).powi(2))).collect();
     squares.iter().sum::<f64>() / squares.len() as f64
 }
 
@@ -114,6 +119,17 @@ mod tests {
         let half = 1.645 * (0.5 * 2.0 * ((0.4356_f64 / 0.36).ln() / 2.0).powi(2)).sqrt();
         let [low, high] = gains[1].interval.unwrap();
         assert!((low * half.exp() / expected - 1.0).abs() < 1e-12 && low < expected && high > expected);
+    }
+
+    /// Catches an exact proposal whose gain is infinite, and `null` in a card.
+    #[test]
+    fn no_error_is_smaller_than_rounding() {
+        let mut all = points(ProposalName::Bootstrap, 0.1, &[(10, &[Some(1.0), Some(1.0)])]);
+        all.extend(points(ProposalName::LookAhead, 0.1, &[(10, &[Some(0.0), Some(-1e-14)])]));
+        let (_, gains) = EqualTime { points: all }.gains().unwrap();
+        assert!((gains[0].ratio / 1e24 - 1.0).abs() < 1e-9, "{}", gains[0].ratio);
+        let exact = points(ProposalName::Bootstrap, 0.1, &[(10, &[Some(0.0)]), (100, &[Some(0.0)])]);
+        assert_eq!(EqualTime { points: exact }.gains(), None);
     }
 
     #[test]

@@ -27,7 +27,7 @@ pub(super) struct SecondOpinion {
     pub(super) proposal: ProposalName,
     /// `log ẑ` of as many runs as there were, which are not those that it was found by.
     pub(super) logs: Vec<f64>,
-    /// How much more log-evidence they have.
+    /// How much more log-evidence is found, by all runs that confirm it.
     pub(super) nats: f64,
 }
 
@@ -79,7 +79,7 @@ pub(super) fn second_opinion(
         let more = runs(CONFIRMING * logs.len(), "more runs")?;
         higher(&more).map(|nats| (more[..logs.len()].to_vec(), nats))
     };
-    Ok(confirmed.map(|(logs, nats)| SecondOpinion { proposal: candidate.proposal.clone(), logs, nats }))
+    Ok(confirmed.map(|(logs, nats)| SecondOpinion { proposal: candidate.proposal, logs, nats }))
 }
 
 /// Particles and runs of the filters of [`missed`].

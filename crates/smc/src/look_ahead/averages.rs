@@ -2,16 +2,16 @@
 
 use motes_models::equations::triangle::{at, factor, solve_lower, solve_upper, times_upper};
 
-use super::backward::LinearisedPath;
-use super::dense::{add_product_of_transposed, add_times, product};
-use super::local::{Local, LocalSite};
+use super::backward::{LinearisedPath, Site};
+use super::dense::{add_product_of_transposed, add_times, dot, product};
+use super::local::Local;
 use super::path::{Path, Policy};
 use super::recorded::RecordedStep;
 
 /// How many standard deviations points lie from the mean: with weights of 1/6 there, sums of polynomials of the fifth degree along the axes have their mean.
 const AWAY: f64 = 1.732_050_807_568_877_2;
 
-/// A share of the trace by which a matrix may fail to be positive semidefinite by rounding.
+/// What rounding may do to numbers, as a share of their size.
 const ROUNDING: f64 = 1e-10;
 
 /// The Gaussian of a smoothed state, and memory for the averages over it.
@@ -32,6 +32,8 @@ pub(super) struct Averages {
     points: Vec<f64>,
     /// The scores at the points.
     scores: Vec<f64>,
+    /// A triangle whose factor says whether a matrix is positive semidefinite.
+    check: Vec<f64>,
     spare: [Vec<f64>; 2],
 }
 
@@ -41,8 +43,21 @@ fn zeros(memory: &mut Vec<f64>, count: usize) -> &mut [f64] {
     memory
 }
 
+/// Where the entries of a lower triangle stand, row after row.
+fn lower_entries(n: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..n).flat_map(|i| (0..=i).map(move |j| (i, j)))
+}
+
+/// The largest size of some numbers; NaN or infinite where one is.
+fn largest(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(
+        0.0,
+        |largest, number| if number.abs() > largest || number.is_nan() { number.abs() } else { largest },
+    )
+}
+
 impl Averages {
-    /// Replaces the sites of a path by their averages over smoothed states: those that noise moved by this policy makes.
+    /// Replaces the sites of a path by their averages over smoothed states: those that noise moved by this policy makes. Whether one of them has changed.
     pub(super) fn find(
         &mut self,
         local: &mut Local<'_>,
@@ -50,8 +65,8 @@ impl Averages {
         path: &Path,
         policy: &Policy,
         linearised: &mut LinearisedPath,
-    ) {
-        let n = path.width;
+    ) -> bool {
+        let (n, mut has_changed) = (path.width, false);
         zeros(&mut self.deviation, n);
         zeros(&mut self.covariance, n * n);
         for (index, RecordedStep { step, measurement }) in recorded.iter().enumerate() {
@@ -61,8 +76,9 @@ impl Averages {
             }
             zeros(&mut self.scores, self.points.len());
             local.scores(&step.step(), &self.points, measurement, &mut self.scores);
-            self.average(&mut linearised.sites[index]);
+            has_changed |= self.average(&mut linearised.sites[index]);
         }
+        has_changed
     }
 
     /// To the smoothed state of a step from that of the step before.
@@ -77,7 +93,7 @@ impl Averages {
         let next = zeros(second, n);
         if index > 0 {
             for (moved, row) in moved.iter_mut().zip(feedback.chunks_exact(n)) {
-                *moved -= row.iter().zip(&*deviation).map(|(gain, d)| gain * d).sum::<f64>();
+                *moved -= dot(row, deviation);
             }
             add_times(&map.along_previous, deviation, next);
         }
@@ -99,14 +115,16 @@ impl Averages {
             product(covariance, turned, [n, n, n], half);
             add_product_of_transposed(turned, half, [n, n, n], sum);
         }
-        let lower = &policy.factors[index * path.factor_place()..][..at(q, 0)];
-        let mut row = vec![0.0; q];
+        // By the rows of G L⁻ᵀ, where Λ = L Lᵀ.
+        let factor = &policy.factors[index * (policy.factors.len() / path.len())..];
+        let rows = &mut half[..n * q];
+        rows.copy_from_slice(&map.along_noise);
+        rows.chunks_exact_mut(q.max(1)).for_each(|row| solve_lower(q, factor, row));
         for i in 0..n {
-            row.copy_from_slice(&map.along_noise[i * q..][..q]);
-            solve_lower(q, lower, &mut row);
-            row.iter().enumerate().for_each(|(k, entry)| half[k * n + i] = *entry);
+            for j in 0..n {
+                sum[i * n + j] += dot(&rows[i * q..][..q], &rows[j * q..][..q]);
+            }
         }
-        add_product_of_transposed(half, half, [n, q, n], sum);
         std::mem::swap(covariance, second);
     }
 
@@ -115,7 +133,7 @@ impl Averages {
         let n = state.len();
         let Averages { deviation, covariance, lower, points, .. } = self;
         lower.clear();
-        lower.extend((0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| covariance[i * n + j]));
+        lower.extend(lower_entries(n).map(|(i, j)| covariance[i * n + j]));
         factor(n, lower);
         let is_regular = |i: usize| lower[at(i, i)].powi(2) > ROUNDING * covariance[i * n + i];
         if !(0..n).all(is_regular) {
@@ -134,12 +152,13 @@ impl Averages {
         true
     }
 
-    /// The averages of the scores and of what they change by, where the second is positive semidefinite.
-    fn average(&mut self, site: &mut LocalSite) {
-        let Averages { deviation, lower, scores, spare: [slope, curvature], .. } = self;
+    /// The averages of the scores and of what they change by, where the second is positive semidefinite; whether they differ from what the site had.
+    fn average(&mut self, site: &mut Site) -> bool {
+        let Averages { deviation, lower, scores, check, spare: [slope, curvature], .. } = self;
         let n = deviation.len();
-        if !scores.iter().all(|score| score.is_finite()) {
-            return;
+        let size = largest(scores);
+        if !size.is_finite() {
+            return false;
         }
         let (middle, around) = scores.split_at_mut(n);
         let (slope, curvature) = (zeros(slope, n), zeros(curvature, n * n));
@@ -152,36 +171,37 @@ impl Averages {
             }
             // Column i in units of L.
             times_upper(n, lower, above);
-            above.iter().enumerate().for_each(|(row, entry)| {
+            for (row, entry) in above.iter().enumerate() {
                 curvature[row * n + i] += 0.5 * entry;
                 curvature[i * n + row] += 0.5 * entry;
-            });
-        }
-        let trace: f64 = (0..n).map(|i| curvature[i * n + i].abs()).sum();
-        let mut check: Vec<f64> = Vec::with_capacity(at(n, 0));
-        for i in 0..n {
-            for j in 0..=i {
-                let rounding = if i == j { ROUNDING * trace + f64::MIN_POSITIVE } else { 0.0 };
-                check.push(curvature[i * n + j] + rounding);
             }
         }
-        factor(n, &mut check);
+        let trace: f64 = (0..n).map(|i| curvature[i * n + i].abs()).sum();
+        check.clear();
+        check.extend(lower_entries(n).map(|(i, j)| curvature[i * n + j]));
+        (0..n).for_each(|i| check[at(i, i)] += ROUNDING * trace + f64::MIN_POSITIVE);
+        factor(n, check);
         if check.iter().any(|entry| entry.is_nan()) {
-            return;
+            return false;
         }
-        // L⁻ᵀ A L⁻¹, by rows and then, as it is symmetric, by columns.
-        for row in curvature.chunks_exact_mut(n) {
-            solve_upper(n, lower, row);
-        }
-        let mut column = vec![0.0; n];
-        for j in 0..n {
-            column.iter_mut().enumerate().for_each(|(i, entry)| *entry = curvature[i * n + j]);
-            solve_upper(n, lower, &mut column);
-            column.iter().enumerate().for_each(|(i, entry)| curvature[i * n + j] = *entry);
+        // L⁻ᵀ A L⁻¹ by rows, twice, as A is symmetric.
+        for _ in 0..2 {
+            curvature.chunks_exact_mut(n).for_each(|row| solve_upper(n, lower, row));
+            for (i, j) in lower_entries(n) {
+                curvature.swap(i * n + j, j * n + i);
+            }
         }
         // The score at x̂ of a quadratic about m.
         add_times(curvature, deviation, slope);
+        let is_same = |now: &[f64], before: &[f64], size: f64| {
+            now.iter().zip(before).all(|(now, before)| (now - before).abs() <= ROUNDING * size)
+        };
+        // A quadratic is its own average, but for rounding.
+        if is_same(slope, &site.slope, size) && is_same(curvature, &site.curvature, largest(curvature)) {
+            return false;
+        }
         site.slope.copy_from_slice(slope);
         site.curvature.copy_from_slice(curvature);
+        true
     }
 }

@@ -2,19 +2,38 @@
 
 use motes_models::StateSpaceModel;
 
-use super::dense::{add_times, product};
+use super::dense::{add_times, product, product_of_transposed};
 use super::error::LookAheadError;
 use super::local::{Local, LocalMap, LocalSite};
 use super::path::{Path, Policy};
 use super::potential::{Guidance, Numbers, Potential};
 use super::recorded::RecordedStep;
 
+/// A quadratic of a state in the place of the log-density of a measurement.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Site {
+    /// Its score at the state of the path, `N`.
+    pub(super) slope: Vec<f64>,
+    /// Minus its second derivatives, `N×N`, positive semidefinite.
+    pub(super) curvature: Vec<f64>,
+}
+
+impl Site {
+    /// That of the score and the Fisher information at the state.
+    fn at(&mut self, LocalSite { slope, roots }: &LocalSite) {
+        let n = slope.len();
+        self.slope.clone_from(slope);
+        self.curvature.resize(n * n, 0.0);
+        product_of_transposed(roots, roots, [n, roots.len() / n, n], &mut self.curvature);
+    }
+}
+
 /// A path with its model linearised along it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LinearisedPath {
     /// Of each step.
     pub(super) maps: Vec<LocalMap>,
-    pub(super) sites: Vec<LocalSite>,
+    pub(super) sites: Vec<Site>,
 }
 
 impl LinearisedPath {
@@ -29,13 +48,15 @@ impl LinearisedPath {
         path: &Path,
     ) -> Result<(), LookAheadError> {
         self.maps.resize_with(path.len(), LocalMap::default);
-        self.sites.resize_with(path.len(), LocalSite::default);
+        self.sites.resize_with(path.len(), Site::default);
+        let mut site = LocalSite::default();
         for (index, RecordedStep { step, measurement }) in recorded.iter().enumerate() {
             let (map, step) = (&mut self.maps[index], step.step());
             if !local.map(&step, path.previous(index), path.noise(index), map) {
                 return Err(LookAheadError::NotFinite { index });
             }
-            local.site(&step, path.state(index), measurement, &mut self.sites[index]);
+            local.site(&step, path.state(index), measurement, &mut site);
+            self.sites[index].at(&site);
         }
         Ok(())
     }
@@ -55,7 +76,7 @@ impl LinearisedPath {
         };
         let (mut guidance, mut at_zero) = (Guidance::default(), vec![0.0; n]);
         for index in (0..steps).rev() {
-            let LocalSite { slope, curvature, .. } = &self.sites[index];
+            let Site { slope, curvature } = &self.sites[index];
             let mut potential = Potential {
                 reference: Numbers::from_slice(path.state(index)),
                 curvature: Numbers::from_slice(curvature),

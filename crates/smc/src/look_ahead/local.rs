@@ -4,8 +4,6 @@ use motes_models::Step;
 use motes_models::batch::{LANES, load, store};
 use motes_models::equations::{Lanes, NoiseSpace};
 
-use super::dense::add_product_of_transposed;
-
 /// `x ≈ x⁺ + F (x' − x̂') + G (v − v̂)` of a step.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LocalMap {
@@ -24,8 +22,6 @@ pub(super) struct LocalSite {
     pub(super) slope: Vec<f64>,
     /// `R`, of which `RᵀR` is the Fisher information, `2M×N`; nothing where nothing is measured.
     pub(super) roots: Vec<f64>,
-    /// What stands for minus the second derivatives, `N×N`: the Fisher information at a state, or their mean over states.
-    pub(super) curvature: Vec<f64>,
 }
 
 /// Asks a model about one state at a time.
@@ -93,15 +89,10 @@ impl<'m> Local<'m> {
         scores: &mut [f64],
     ) {
         let n = self.n;
-        self.measurement.clear();
-        self.measurement.extend(measurement.iter().map(|entry| entry.map(Lanes::from)));
-        self.states.resize(n * LANES, 0.0);
-        self.derivatives.resize((1 + 2 * measurement.len()) * n * LANES, 0.0);
-        let (slopes, roots) = self.derivatives.split_at_mut(n * LANES);
         for (rows, scores) in states.chunks(n * LANES).zip(scores.chunks_mut(n * LANES)) {
+            self.states.resize(n * LANES, 0.0);
             load(rows, n, &mut self.states);
-            let count = rows.len() / n;
-            self.model.tile_sites(step, &self.states, &self.measurement, count, slopes, roots);
+            let (slopes, _) = self.sites(step, measurement, rows.len() / n);
             store(slopes, n, scores);
         }
     }
@@ -114,24 +105,25 @@ impl<'m> Local<'m> {
         measurement: &[Option<f64>],
         site: &mut LocalSite,
     ) {
-        let n = self.n;
         site.slope.clear();
         site.roots.clear();
-        site.curvature.clear();
-        site.curvature.resize(n * n, 0.0);
         if measurement.iter().all(Option::is_none) {
-            site.slope.resize(n, 0.0);
+            site.slope.resize(self.n, 0.0);
             return;
         }
         broadcast(state, &mut self.states);
-        self.measurement.clear();
-        self.measurement.extend(measurement.iter().map(|entry| entry.map(Lanes::from)));
-        self.derivatives.resize((1 + 2 * measurement.len()) * n * LANES, 0.0);
-        let (slopes, roots) = self.derivatives.split_at_mut(n * LANES);
-        self.model.tile_sites(step, &self.states, &self.measurement, 1, slopes, roots);
+        let (slopes, roots) = self.sites(step, measurement, 1);
         site.slope.extend(first_lanes(slopes));
         site.roots.extend(first_lanes(roots));
-        let count = site.roots.len() / n;
-        add_product_of_transposed(&site.roots, &site.roots, [n, count, n], &mut site.curvature);
+    }
+
+    /// Scores and roots of the Fisher information at the first `count` of the states.
+    fn sites(&mut self, step: &Step<'_>, measurement: &[Option<f64>], count: usize) -> (&[f64], &[f64]) {
+        self.measurement.clear();
+        self.measurement.extend(measurement.iter().map(|entry| entry.map(Lanes::from)));
+        self.derivatives.resize((1 + 2 * measurement.len()) * self.n * LANES, 0.0);
+        let (slopes, roots) = self.derivatives.split_at_mut(self.n * LANES);
+        self.model.tile_sites(step, &self.states, &self.measurement, count, slopes, roots);
+        (slopes, roots)
     }
 }

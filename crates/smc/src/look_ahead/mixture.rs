@@ -26,11 +26,11 @@ impl TileGuide {
         for (chosen, all) in [(chosen_mean, mean), (chosen_lower, lower)] {
             let width = all.len() / count;
             chosen.resize(width, 0.0);
-            for (place, of_one) in all.chunks_exact_mut(width).enumerate() {
-                let place = place as f64;
+            for place in 0..count {
+                let of_one = &mut all[place * width..][..width];
                 for (to, from) in lanes(chosen).iter_mut().zip(lanes(of_one)) {
                     for ((to, from), own) in to.0.iter_mut().zip(from.0).zip(places) {
-                        *to = if own == place { from } else { *to };
+                        *to = if own == place as f64 { from } else { *to };
                     }
                 }
             }

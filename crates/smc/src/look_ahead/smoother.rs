@@ -71,13 +71,14 @@ pub(super) fn smooth<M: StateSpaceModel + ?Sized>(
         }
     }
     let mut best = best.ok_or(failure)?;
-    let mut averages = Averages::default();
+    let (mut averages, mut local) = (Averages::default(), local(model)?);
     for _ in 0..AVERAGED {
-        averages.find(&mut local(model)?, recorded, &best.path, &best.policy, &mut best.linearised);
-        match best.linearised.potentials(&best.path) {
-            Ok((potentials, policy)) => (best.potentials, best.policy) = (potentials, policy),
-            Err(_) => break,
+        if !averages.find(&mut local, recorded, &best.path, &best.policy, &mut best.linearised) {
+            break;
         }
+        // Where averages are too large, what there was stays.
+        let Ok((potentials, policy)) = best.linearised.potentials(&best.path) else { break };
+        (best.potentials, best.policy) = (potentials, policy);
     }
     Ok(best)
 }

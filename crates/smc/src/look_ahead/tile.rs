@@ -9,13 +9,10 @@ use super::ahead::StepAhead;
 use super::component::Component;
 use super::potential::Potential;
 use super::scratch::TileGuide;
-use crate::proposals::lanes;
+use crate::proposals::{NEGLIGIBLE, lanes};
 
 /// The least logarithm of an expectation: one that is 0 for a particle far away would be divided by.
 pub(super) const LEAST: f64 = -1e250;
-
-/// What is smaller by this much in the logarithm adds nothing to a sum; below it exponentials are slow.
-const NEGLIGIBLE: f64 = -699.0;
 
 impl TileGuide {
     /// Finds the Gaussians of the noise of each particle, `N(v; m_j, Λ_j⁻¹)`, and the logarithm of `Z̃(x') = Σ_j w_j Z̃_j(x')`.

@@ -3,8 +3,8 @@
 use motes_models::batch::{LANES, by_widest_vectors};
 use motes_models::equations::{Lanes, Scalar};
 
-/// What is smaller by this much in the logarithm adds nothing.
-const NEGLIGIBLE: f64 = -700.0;
+/// What is smaller by this much in the logarithm adds nothing to a sum. Exponentials of less are slow.
+pub(crate) const NEGLIGIBLE: f64 = -699.0;
 
 /// `log(eᵃ + eᵇ)`; −∞ where both are.
 #[inline(always)]

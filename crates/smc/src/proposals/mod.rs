@@ -13,6 +13,6 @@ pub(crate) use defensive::Defensive;
 pub use gaussian_batch::GaussianBatch;
 pub(crate) use linearised::lanes;
 pub use linearised::{Linearised, LinearisedBatch, LinearisedScratch, fisher_scoring};
-pub(crate) use log_add::log_add;
+pub(crate) use log_add::{NEGLIGIBLE, log_add};
 pub use min_degeneracy::{Corrected, MinDegeneracy};
 pub use noise_share::{noise_share, weigh_with_share};

@@ -1,8 +1,8 @@
 //! Potentials that are sums of several quadratics, and that came from elsewhere.
 
-use motes_models::Seed;
 use motes_models::equations::Equations;
-use motes_smc::{LookAhead, LookAheadError, PotentialComponent, RecordedStep};
+use motes_models::{Seed, Step, StepRecord};
+use motes_smc::{Bootstrap, LookAhead, LookAheadError, PotentialComponent, RecordedStep};
 use rand::RngExt;
 
 use crate::common::{bias, evidence_by, moments, rows, settings};
@@ -54,6 +54,22 @@ fn the_evidence_is_unbiased_where_states_are_not_linear_in_their_noise() {
         let off = off(&model, &rows(&model, 12, 3), [0.0, 16.0], share);
         assert!(off.abs() < 4.0, "share {share:?}: {off}");
     }
+}
+
+/// Catches a step without noise, to which each of several quadratics has nothing to say: two rows of one time.
+#[test]
+fn two_rows_of_one_time_are_two_measurements_of_one_state() {
+    let model = Counts { sd: 0.3 };
+    let mut rows = rows(&model, 6, 1);
+    rows[2].step = StepRecord::of(&Step { length: 0.0, sub_steps: 0, ..Step::of_index(2) });
+    let ahead = LookAhead::from_potentials(&model, &rows, &potentials(&model, &rows, 6)).unwrap();
+    let mean = |logs: &[f64]| {
+        let (mean, variance) = moments(&logs.iter().map(|log| log.exp()).collect::<Vec<f64>>());
+        (mean, variance / logs.len() as f64)
+    };
+    let (found, error) = mean(&evidence_by(&model, ahead, &rows, settings(64, None), 400, 5));
+    let (right, its_error) = mean(&evidence_by(&model, Bootstrap, &rows, settings(2000, None), 400, 7));
+    assert!((found - right).abs() < 4.0 * (error + its_error).sqrt(), "{found} {right}");
 }
 
 #[test]
