@@ -33,6 +33,10 @@ impl Equations for FormulaEquations<'_> {
         self.0.has_density
     }
 
+    fn depends_on_time(&self) -> bool {
+        self.0.transition.depends_on_time() || self.0.measurement.depends_on_time()
+    }
+
     fn initial<S: Scalar>(&self, step: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]) {
         self.0.initial.make(step, &[], draws, state);
     }

@@ -158,6 +158,10 @@ impl NoiseSpace for FormulaModel {
         self.equations().draws(step)
     }
 
+    fn are_alike(&self, one: &Step<'_>, other: &Step<'_>) -> bool {
+        self.equations().are_alike(one, other)
+    }
+
     fn tile_states(&self, step: &Step<'_>, previous: Option<&[f64]>, noise: &[f64], states: &mut [f64]) {
         self.equations().tile_states(step, previous, noise, states);
     }

@@ -57,6 +57,11 @@ impl Program {
         })
     }
 
+    /// Whether any number is another at another time.
+    pub(crate) fn depends_on_time(&self) -> bool {
+        self.steps.iter().any(|step| matches!(step, PlainStep::Time))
+    }
+
     /// For each coordinate, whether it depends on a state from this one on.
     pub(crate) fn depend_on_states_from(&self, first: usize) -> Vec<bool> {
         self.depends_on.iter().map(|states| states.iter().any(|state| *state as usize >= first)).collect()

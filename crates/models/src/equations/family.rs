@@ -11,7 +11,8 @@ pub struct Score<S> {
     pub location: S,
     /// `∂ log p(y | θ) / ∂θ`.
     pub slope: S,
-    /// The Fisher information of `θ`; the inverse variance where the end of the range moves with `θ`, and it has none.
+    /// The Fisher information of `θ`; the inverse variance where the end of the range moves with `θ`, and it has none. Of heavy tails it is at most `s/(y − θ)` of the slope `s`: a normal
+    /// distribution of that slope has this information, and one of more would hold the state where it is, as if an outlier said so.
     pub information: S,
 }
 

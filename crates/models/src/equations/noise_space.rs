@@ -20,6 +20,9 @@ pub trait NoiseSpace: Sync {
     /// The `Q` draws of a step, in order; they are the same from any state.
     fn draws(&self, step: &Step<'_>) -> Vec<Draw>;
 
+    /// Whether two steps are alike: all that is asked here of one has the same answer in the other, so that a tile may hold states of both.
+    fn are_alike(&self, one: &Step<'_>, other: &Step<'_>) -> bool;
+
     /// `g(x_{t−1}, v_t)` of `noise` (`Q × LANES`) into `states` (`N × LANES`), or `x_0` where there is no previous state.
     fn tile_states(&self, step: &Step<'_>, previous: Option<&[f64]>, noise: &[f64], states: &mut [f64]);
 

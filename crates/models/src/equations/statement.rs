@@ -77,6 +77,11 @@ pub trait Equations: Sync {
         true
     }
 
+    /// Whether states or measurements depend on the time or the index of a step, beside its length, its inputs and its parameters.
+    fn depends_on_time(&self) -> bool {
+        true
+    }
+
     /// Makes `x_0` (`N`) of draws.
     fn initial<S: Scalar>(&self, step: &Step<'_, S>, draws: &mut impl Draws<S>, state: &mut [S]);
 

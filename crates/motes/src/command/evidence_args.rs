@@ -43,7 +43,7 @@ pub(super) struct EvidenceArgs {
     /// The number of independent runs; of one alone there is no standard error
     #[arg(long, value_name = "R", allow_negative_numbers = true, default_value = "4", value_parser = integer(1..=1_000_000_usize))]
     runs: usize,
-    /// The share of particles that are drawn from the transition whatever the proposal is, from 0 to below 1; if absent 0.1 of a learned proposal, 0.1 of linearised, 0.1 of look-ahead where noise is drawn that is not normal, else 0
+    /// The share of particles that are drawn from the transition whatever the proposal is, from 0 to below 1; if absent 0.1 of a learned proposal, 0.1 of linearised, 0.1 of look-ahead where noise is drawn that is not normal, 0.03 of it where a measurement is skewed, else 0
     #[arg(long, value_name = "W", allow_negative_numbers = true, value_parser = share)]
     defensive: Option<f64>,
     /// Resample where the effective sample size is below this share of the particles, above 0 and at most 1; 1 is at each step

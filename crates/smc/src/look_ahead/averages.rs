@@ -1,12 +1,15 @@
 //! What measurements say on average over the smoothed states, in place of what they say at the most likely ones.
 
+use motes_models::batch::LANES;
 use motes_models::equations::triangle::{at, factor, solve_lower, solve_upper, times_upper};
+use smallvec::SmallVec;
 
 use super::backward::{LinearisedPath, Site};
 use super::dense::{add_product_of_transposed, add_times, dot, product};
 use super::local::Local;
 use super::path::{Path, Policy};
 use super::recorded::RecordedStep;
+use super::runs::Run;
 
 /// How many standard deviations points lie from the mean: with weights of 1/6 there, sums of polynomials of the fifth degree along the axes have their mean.
 const AWAY: f64 = 1.732_050_807_568_877_2;
@@ -24,17 +27,28 @@ pub(super) struct Averages {
     deviation: Vec<f64>,
     /// `P`, `N×N`.
     covariance: Vec<f64>,
-    /// `P = L Lᵀ`.
-    lower: Vec<f64>,
     /// The transposed of `F − G C`, `N×N`.
     turned: Vec<f64>,
-    /// `(2N+1)×N`.
+    /// Of each step of a run.
+    clouds: [Cloud; LANES],
+    /// The points of all clouds of a run, `(2N+1)×N` each.
     points: Vec<f64>,
     /// The scores at the points.
     scores: Vec<f64>,
     /// A triangle whose factor says whether a matrix is positive semidefinite.
     check: Vec<f64>,
     spare: [Vec<f64>; 2],
+}
+
+/// Points around the mean of a smoothed state.
+#[derive(Debug, Default)]
+struct Cloud {
+    /// Whether the state has a density; else there are no points.
+    is_regular: bool,
+    /// `m − x̂`, `N`.
+    deviation: Vec<f64>,
+    /// `P = L Lᵀ`.
+    lower: Vec<f64>,
 }
 
 fn zeros(memory: &mut Vec<f64>, count: usize) -> &mut [f64] {
@@ -62,21 +76,32 @@ impl Averages {
         &mut self,
         local: &mut Local<'_>,
         recorded: &[RecordedStep],
-        path: &Path,
-        policy: &Policy,
+        runs: &[Run],
+        (path, policy): (&Path, &Policy),
         linearised: &mut LinearisedPath,
     ) -> bool {
         let (n, mut has_changed) = (path.width, false);
         zeros(&mut self.deviation, n);
         zeros(&mut self.covariance, n * n);
-        for (index, RecordedStep { step, measurement }) in recorded.iter().enumerate() {
-            self.advance(index, path, policy, linearised);
-            if measurement.iter().all(Option::is_none) || !self.place(path.state(index)) {
-                continue;
+        for Run { steps: run, .. } in runs {
+            self.clouds.iter_mut().for_each(|cloud| cloud.is_regular = false);
+            self.points.clear();
+            let is_measured = recorded[run.start].measurement.iter().any(Option::is_some);
+            for (at, index) in run.clone().enumerate() {
+                self.advance(index, path, policy, linearised);
+                if is_measured {
+                    self.place(at, path.state(index));
+                }
             }
+            let placed: SmallVec<[usize; LANES]> =
+                (0..run.len()).filter(|at| self.clouds[*at].is_regular).collect();
             zeros(&mut self.scores, self.points.len());
-            local.scores(&step.step(), &self.points, measurement, &mut self.scores);
-            has_changed |= self.average(&mut linearised.sites[index]);
+            let measurement =
+                |row: usize| recorded[run.start + placed[row / (2 * n + 1)]].measurement.as_slice();
+            local.scores(&recorded[run.start].step.step(), &self.points, measurement, &mut self.scores);
+            for (number, at) in placed.into_iter().enumerate() {
+                has_changed |= self.average(number, at, &mut linearised.sites[run.start + at]);
+            }
         }
         has_changed
     }
@@ -128,34 +153,39 @@ impl Averages {
         std::mem::swap(covariance, second);
     }
 
-    /// Puts points around the mean; whether there is a density of such states.
-    fn place(&mut self, state: &[f64]) -> bool {
+    /// Puts points around the mean of a step of the run, if there is a density of such states.
+    fn place(&mut self, at_step: usize, state: &[f64]) {
         let n = state.len();
-        let Averages { deviation, covariance, lower, points, .. } = self;
+        let Averages { deviation, covariance, clouds, points, .. } = self;
+        let Cloud { is_regular, deviation: kept, lower } = &mut clouds[at_step];
+        kept.clone_from(deviation);
         lower.clear();
         lower.extend(lower_entries(n).map(|(i, j)| covariance[i * n + j]));
         factor(n, lower);
-        let is_regular = |i: usize| lower[at(i, i)].powi(2) > ROUNDING * covariance[i * n + i];
-        if !(0..n).all(is_regular) {
-            return false;
+        *is_regular = (0..n).all(|i| lower[at(i, i)].powi(2) > ROUNDING * covariance[i * n + i]);
+        if !*is_regular {
+            return;
         }
-        points.clear();
+        let middle = points.len();
         points.extend(state.iter().zip(deviation).map(|(x, d)| x + *d));
         for i in 0..n {
             for side in [AWAY, -AWAY] {
                 let of_column = |row: usize| if row < i { 0.0 } else { side * lower[at(row, i)] };
-                points.extend_from_within(..n);
+                points.extend_from_within(middle..middle + n);
                 let begin = points.len() - n;
                 points[begin..].iter_mut().enumerate().for_each(|(row, x)| *x += of_column(row));
             }
         }
-        true
     }
 
-    /// The averages of the scores and of what they change by, where the second is positive semidefinite; whether they differ from what the site had.
-    fn average(&mut self, site: &mut Site) -> bool {
-        let Averages { deviation, lower, scores, check, spare: [slope, curvature], .. } = self;
+    /// The averages of the scores of a cloud, which is the one of this number that has any, and of what they change by, where the second is positive semidefinite; whether they differ from
+    /// what the site had.
+    fn average(&mut self, number: usize, at_step: usize, site: &mut Site) -> bool {
+        let Averages { clouds, scores, check, spare: [slope, curvature], .. } = self;
+        let Cloud { deviation, lower, .. } = &clouds[at_step];
         let n = deviation.len();
+        let count = (2 * n + 1) * n;
+        let scores = &mut scores[number * count..][..count];
         let size = largest(scores);
         if !size.is_finite() {
             return false;
@@ -163,12 +193,18 @@ impl Averages {
         let (middle, around) = scores.split_at_mut(n);
         let (slope, curvature) = (zeros(slope, n), zeros(curvature, n * n));
         slope.copy_from_slice(middle);
+        let mut skewness = 0.0;
         for (i, pair) in around.chunks_exact_mut(2 * n).enumerate() {
             let (above, below) = pair.split_at_mut(n);
+            let mut third_derivative = 0.0;
             for (row, slope) in slope.iter_mut().enumerate() {
-                *slope += (above[row] + below[row] - 2.0 * middle[row]) / 6.0;
+                let bend = (above[row] + below[row] - 2.0 * middle[row]) / (AWAY * AWAY);
+                *slope += 0.5 * bend;
+                third_derivative += if row < i { 0.0 } else { lower[at(row, i)] * bend };
                 above[row] = (below[row] - above[row]) / (2.0 * AWAY);
             }
+            // The variance of the third Hermite polynomial is 6.
+            skewness += third_derivative * third_derivative / 6.0;
             // Column i in units of L.
             times_upper(n, lower, above);
             for (row, entry) in above.iter().enumerate() {
@@ -176,6 +212,7 @@ impl Averages {
                 curvature[i * n + row] += 0.5 * entry;
             }
         }
+        site.skewness = skewness;
         let trace: f64 = (0..n).map(|i| curvature[i * n + i].abs()).sum();
         check.clear();
         check.extend(lower_entries(n).map(|(i, j)| curvature[i * n + j]));

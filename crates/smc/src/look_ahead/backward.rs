@@ -1,13 +1,15 @@
 //! From the last step to the first: potentials of a path, and how it is to be moved.
 
 use motes_models::StateSpaceModel;
+use motes_models::batch::LANES;
 
-use super::dense::{add_times, product, product_of_transposed};
+use super::dense::{product, product_of_transposed, subtract_times};
 use super::error::LookAheadError;
 use super::local::{Local, LocalMap, LocalSite};
 use super::path::{Path, Policy};
 use super::potential::{Guidance, Numbers, Potential};
 use super::recorded::RecordedStep;
+use super::runs::Run;
 
 /// A quadratic of a state in the place of the log-density of a measurement.
 #[derive(Debug, Clone, Default)]
@@ -16,12 +18,15 @@ pub(super) struct Site {
     pub(super) slope: Vec<f64>,
     /// Minus its second derivatives, `N×N`, positive semidefinite.
     pub(super) curvature: Vec<f64>,
+    /// The variance of the logarithm of weights that no quadratic accounts for, by third derivatives of the log-density along the axes of the smoothed Gaussian; 0 where it is not known.
+    pub(super) skewness: f64,
 }
 
 impl Site {
     /// That of the score and the Fisher information at the state.
     fn at(&mut self, LocalSite { slope, roots }: &LocalSite) {
         let n = slope.len();
+        self.skewness = 0.0;
         self.slope.clone_from(slope);
         self.curvature.resize(n * n, 0.0);
         product_of_transposed(roots, roots, [n, roots.len() / n, n], &mut self.curvature);
@@ -37,7 +42,7 @@ pub(super) struct LinearisedPath {
 }
 
 impl LinearisedPath {
-    /// Linearises a model along a path.
+    /// Linearises a model along a path, of which these are the runs of alike steps.
     ///
     /// # Errors
     /// [`LookAheadError::NotFinite`] with the step where that cannot be done.
@@ -45,18 +50,25 @@ impl LinearisedPath {
         &mut self,
         local: &mut Local<'_>,
         recorded: &[RecordedStep],
+        runs: &[Run],
         path: &Path,
     ) -> Result<(), LookAheadError> {
+        let n = path.width;
         self.maps.resize_with(path.len(), LocalMap::default);
         self.sites.resize_with(path.len(), Site::default);
-        let mut site = LocalSite::default();
-        for (index, RecordedStep { step, measurement }) in recorded.iter().enumerate() {
-            let (map, step) = (&mut self.maps[index], step.step());
-            if !local.map(&step, path.previous(index), path.noise(index), map) {
-                return Err(LookAheadError::NotFinite { index });
+        let mut sites: [LocalSite; LANES] = Default::default();
+        for Run { steps: run, .. } in runs {
+            let step = recorded[run.start].step.step();
+            let previous = (run.start > 0).then(|| &path.states[(run.start - 1) * n..(run.end - 1) * n]);
+            let noise = &path.noise[path.starts[run.start]..path.starts[run.end]];
+            if let Some(at) = local.maps(&step, previous, noise, &mut self.maps[run.clone()]) {
+                return Err(LookAheadError::NotFinite { index: run.start + at });
             }
-            local.site(&step, path.state(index), measurement, &mut site);
-            self.sites[index].at(&site);
+            let states = &path.states[run.start * n..run.end * n];
+            let measurement = |row: usize| recorded[run.start + row].measurement.as_slice();
+            let found = &mut sites[..run.len()];
+            local.sites(&step, states, measurement, found);
+            self.sites[run.clone()].iter_mut().zip(found).for_each(|(site, found)| site.at(found));
         }
         Ok(())
     }
@@ -76,7 +88,7 @@ impl LinearisedPath {
         };
         let (mut guidance, mut at_zero) = (Guidance::default(), vec![0.0; n]);
         for index in (0..steps).rev() {
-            let Site { slope, curvature } = &self.sites[index];
+            let Site { slope, curvature, .. } = &self.sites[index];
             let mut potential = Potential {
                 reference: Numbers::from_slice(path.state(index)),
                 curvature: Numbers::from_slice(curvature),
@@ -95,15 +107,13 @@ impl LinearisedPath {
             {
                 *at_zero = value - reference;
             }
-            let turned: Vec<f64> = noise.iter().map(|v| -v).collect();
-            add_times(&map.along_noise, &turned, &mut at_zero);
+            subtract_times(&map.along_noise, noise, &mut at_zero);
             guidance.find(&potential, &map.along_noise);
             policy.factors[index * place..][..guidance.lower.len()].copy_from_slice(&guidance.lower);
             // w = κ − K d₀ − v̂, and C = K F.
             let begin = path.starts[index];
             let moves = &mut policy.moves[begin..begin + q];
-            let turned: Vec<f64> = at_zero.iter().map(|d| -d).collect();
-            add_times(&guidance.gain, &turned, moves);
+            subtract_times(&guidance.gain, &at_zero, moves);
             for ((moved, offset), noise) in moves.iter_mut().zip(&guidance.offset).zip(noise) {
                 *moved += offset - noise;
             }

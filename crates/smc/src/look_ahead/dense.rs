@@ -41,6 +41,26 @@ pub(super) fn add_times(a: &[f64], x: &[f64], out: &mut [f64]) {
     }
 }
 
+/// Subtracts `A x` of `A` (`m×k`) from `out` (`m`).
+pub(super) fn subtract_times(a: &[f64], x: &[f64], out: &mut [f64]) {
+    if x.is_empty() {
+        return;
+    }
+    for (row, out) in a.chunks_exact(x.len()).zip(out) {
+        *out -= dot(row, x);
+    }
+}
+
+/// Subtracts `Aᵀ x` of `A` (`k×m`) from `out` (`m`).
+pub(super) fn subtract_transposed_times(a: &[f64], x: &[f64], out: &mut [f64]) {
+    if out.is_empty() {
+        return;
+    }
+    for (row, x) in a.chunks_exact(out.len()).zip(x) {
+        add_row(-*x, row, out);
+    }
+}
+
 /// Adds `Aᵀ x` of `A` (`k×m`) to `out` (`m`).
 pub(super) fn add_transposed_times(a: &[f64], x: &[f64], out: &mut [f64]) {
     if out.is_empty() {

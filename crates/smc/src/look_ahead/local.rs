@@ -1,7 +1,7 @@
-//! A model near a single state: its map of noise and its measurement, linearised.
+//! A model near states: its map of noise and its measurement, linearised.
 
 use motes_models::Step;
-use motes_models::batch::{LANES, load, store};
+use motes_models::batch::{LANES, store};
 use motes_models::equations::{Lanes, NoiseSpace};
 
 /// `x ≈ x⁺ + F (x' − x̂') + G (v − v̂)` of a step.
@@ -24,7 +24,7 @@ pub(super) struct LocalSite {
     pub(super) roots: Vec<f64>,
 }
 
-/// Asks a model about one state at a time.
+/// Asks a model about states of alike steps, a tile at a time.
 pub(super) struct Local<'m> {
     model: &'m dyn NoiseSpace,
     n: usize,
@@ -35,15 +35,21 @@ pub(super) struct Local<'m> {
     measurement: Vec<Option<Lanes>>,
 }
 
-/// The same number in all lanes.
-fn broadcast(values: &[f64], tile: &mut Vec<f64>) {
+/// A row of each state, up to a tile of them, into a tile whose other lanes have the last.
+fn fill_tile(rows: &[f64], count: usize, tile: &mut Vec<f64>) {
+    let width = rows.len() / count;
     tile.clear();
-    tile.extend(values.iter().flat_map(|value| [*value; LANES]));
+    tile.resize(width * LANES, 0.0);
+    for (i, lanes) in tile.chunks_exact_mut(LANES).enumerate() {
+        for (lane, place) in lanes.iter_mut().enumerate() {
+            *place = rows[lane.min(count - 1) * width + i];
+        }
+    }
 }
 
-/// What stands in the first lane of each row.
-fn first_lanes(tile: &[f64]) -> impl Iterator<Item = f64> {
-    tile.iter().step_by(LANES).copied()
+/// What stands in one lane of each row.
+fn lane(tile: &[f64], lane: usize) -> impl Iterator<Item = f64> {
+    tile.iter().skip(lane).step_by(LANES).copied()
 }
 
 impl<'m> Local<'m> {
@@ -53,75 +59,97 @@ impl<'m> Local<'m> {
         Local { model, n, previous, noise, states, derivatives, measurement: Vec::new() }
     }
 
-    /// The map near `previous` (`N`), or at the start, and `noise` (`Q`), into `map`; whether all of it is finite.
-    pub(super) fn map(
+    /// The maps of alike steps, up to a tile of them, near each row of `previous` (`R×N`), or at the start, and of `noise` (`R×Q`), into `maps` (`R`). The first that is not finite, if
+    /// one is.
+    pub(super) fn maps(
         &mut self,
         step: &Step<'_>,
         previous: Option<&[f64]>,
         noise: &[f64],
-        map: &mut LocalMap,
-    ) -> bool {
-        let (n, q) = (self.n, noise.len());
-        let directions = q + previous.map_or(0, <[f64]>::len);
-        broadcast(previous.unwrap_or_default(), &mut self.previous);
-        broadcast(noise, &mut self.noise);
+        maps: &mut [LocalMap],
+    ) -> Option<usize> {
+        let (n, count) = (self.n, maps.len());
+        let q = noise.len() / count;
+        let directions = q + previous.map_or(0, |_| n);
+        fill_tile(previous.unwrap_or_default(), count, &mut self.previous);
+        fill_tile(noise, count, &mut self.noise);
         self.states.resize(n * LANES, 0.0);
         self.derivatives.resize(n * directions * LANES, 0.0);
         let before = previous.map(|_| self.previous.as_slice());
-        self.model.tile_linearised(step, before, &self.noise, 1, &mut self.states, &mut self.derivatives);
-        let LocalMap { value, along_noise, along_previous } = map;
-        [&mut *value, &mut *along_noise, &mut *along_previous].into_iter().for_each(Vec::clear);
-        value.extend(first_lanes(&self.states));
-        for row in self.derivatives.chunks_exact((directions * LANES).max(1)) {
-            let (noise, previous) = row.split_at(q * LANES);
-            along_noise.extend(first_lanes(noise));
-            along_previous.extend(first_lanes(previous));
+        self.model.tile_linearised(step, before, &self.noise, count, &mut self.states, &mut self.derivatives);
+        for (at, LocalMap { value, along_noise, along_previous }) in maps.iter_mut().enumerate() {
+            [&mut *value, &mut *along_noise, &mut *along_previous].into_iter().for_each(Vec::clear);
+            value.extend(lane(&self.states, at));
+            for row in self.derivatives.chunks_exact((directions * LANES).max(1)) {
+                let (noise, previous) = row.split_at(q * LANES);
+                along_noise.extend(lane(noise, at));
+                along_previous.extend(lane(previous, at));
+            }
         }
-        value.iter().chain(&*along_noise).chain(&*along_previous).all(|number| number.is_finite())
+        let is_finite = |map: &LocalMap| {
+            let LocalMap { value, along_noise, along_previous } = map;
+            value.iter().chain(along_noise).chain(along_previous).all(|number| number.is_finite())
+        };
+        maps.iter().position(|map| !is_finite(map))
     }
 
-    /// The scores `∂ log p(y | x)/∂x` of a measurement (`M`) at each row of `states` (`R×N`), into `scores`, alike.
-    pub(super) fn scores(
+    /// The scores `∂ log p(y | x)/∂x` of measurements (`M`) of alike steps, one for each row of `states` (`R×N`), into `scores`, alike. All have the same entries.
+    pub(super) fn scores<'y>(
         &mut self,
         step: &Step<'_>,
         states: &[f64],
-        measurement: &[Option<f64>],
+        measurement: impl Fn(usize) -> &'y [Option<f64>],
         scores: &mut [f64],
     ) {
         let n = self.n;
-        for (rows, scores) in states.chunks(n * LANES).zip(scores.chunks_mut(n * LANES)) {
-            self.states.resize(n * LANES, 0.0);
-            load(rows, n, &mut self.states);
-            let (slopes, _) = self.sites(step, measurement, rows.len() / n);
+        for (tile, (rows, scores)) in states.chunks(n * LANES).zip(scores.chunks_mut(n * LANES)).enumerate() {
+            let count = rows.len() / n;
+            let (slopes, _) = self.tile(step, rows, count, |row| measurement(tile * LANES + row));
             store(slopes, n, scores);
         }
     }
 
-    /// The site of a measurement (`M`) near `state` (`N`), into `site`.
-    pub(super) fn site(
+    /// The sites of measurements (`M`) of alike steps, up to a tile of them, one near each row of `states` (`R×N`), into `sites` (`R`). All have the same entries.
+    pub(super) fn sites<'y>(
         &mut self,
         step: &Step<'_>,
-        state: &[f64],
-        measurement: &[Option<f64>],
-        site: &mut LocalSite,
+        states: &[f64],
+        measurement: impl Fn(usize) -> &'y [Option<f64>],
+        sites: &mut [LocalSite],
     ) {
-        site.slope.clear();
-        site.roots.clear();
-        if measurement.iter().all(Option::is_none) {
-            site.slope.resize(self.n, 0.0);
-            return;
+        let (n, count) = (self.n, sites.len());
+        for LocalSite { slope, roots } in &mut *sites {
+            slope.clear();
+            roots.clear();
         }
-        broadcast(state, &mut self.states);
-        let (slopes, roots) = self.sites(step, measurement, 1);
-        site.slope.extend(first_lanes(slopes));
-        site.roots.extend(first_lanes(roots));
+        if measurement(0).iter().all(Option::is_none) {
+            return sites.iter_mut().for_each(|site| site.slope.resize(n, 0.0));
+        }
+        let (slopes, roots) = self.tile(step, states, count, measurement);
+        for (at, site) in sites.iter_mut().enumerate() {
+            site.slope.extend(lane(slopes, at));
+            site.roots.extend(lane(roots, at));
+        }
     }
 
-    /// Scores and roots of the Fisher information at the first `count` of the states.
-    fn sites(&mut self, step: &Step<'_>, measurement: &[Option<f64>], count: usize) -> (&[f64], &[f64]) {
+    /// Scores and roots of the Fisher information at each row of `states`, up to a tile of them.
+    fn tile<'y>(
+        &mut self,
+        step: &Step<'_>,
+        states: &[f64],
+        count: usize,
+        measurement: impl Fn(usize) -> &'y [Option<f64>],
+    ) -> (&[f64], &[f64]) {
+        fill_tile(states, count, &mut self.states);
         self.measurement.clear();
-        self.measurement.extend(measurement.iter().map(|entry| entry.map(Lanes::from)));
-        self.derivatives.resize((1 + 2 * measurement.len()) * self.n * LANES, 0.0);
+        self.measurement.extend(measurement(0).iter().map(|entry| entry.map(Lanes::from)));
+        for row in 1..count {
+            let entries = self.measurement.iter_mut().zip(measurement(row));
+            for (lanes, entry) in entries.filter_map(|(lanes, entry)| lanes.as_mut().zip(*entry)) {
+                lanes.0[row] = entry;
+            }
+        }
+        self.derivatives.resize((1 + 2 * self.measurement.len()) * self.n * LANES, 0.0);
         let (slopes, roots) = self.derivatives.split_at_mut(self.n * LANES);
         self.model.tile_sites(step, &self.states, &self.measurement, count, slopes, roots);
         (slopes, roots)

@@ -3,12 +3,12 @@
 use motes_models::equations::Linearise;
 use motes_models::{Step, StepRecord};
 
-use super::ahead::{StepAhead, draws_of, step_by};
-use super::backward::local;
+use super::ahead::{StepAhead, step_by};
 use super::batch::LookAheadBatch;
 use super::component::PotentialComponent;
 use super::error::LookAheadError;
 use super::recorded::RecordedStep;
+use super::runs::draws_of;
 use super::scratch::LookAheadScratch;
 use crate::proposal::{Context, Proposal};
 use crate::proposal_error::ProposalError;
@@ -70,8 +70,7 @@ impl<M: Linearise + ?Sized, P: StepPotentials<M>> Proposal<M> for ByPotential<P>
         let near = components.first().filter(|_| step.index > 0).map(|component| component.centre.as_slice());
         let recorded = RecordedStep { step: StepRecord::of(step), measurement: measurement.to_vec() };
         let draws = draws_of(noise_space, step);
-        let mut local = local(model).map_err(|error| refused(step.index, &error))?;
-        let found = step_by(model, &mut local, &recorded, &draws, near, &components);
+        let found = step_by(model, &recorded, &draws, near, &components);
         self.prepared = Some(found.map_err(|error| refused(step.index, &error))?);
         Ok(true)
     }

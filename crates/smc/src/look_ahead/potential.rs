@@ -4,7 +4,8 @@ use motes_models::equations::triangle::{at, factor, solve_lower, solve_upper};
 use smallvec::SmallVec;
 
 use super::dense::{
-    add_product_of_transposed, add_times, add_transposed_times, product, product_of_transposed,
+    add_product_of_transposed, add_transposed_times, product, product_of_transposed, subtract_times,
+    subtract_transposed_times,
 };
 
 /// Few numbers of a step, kept where they are: there are many steps.
@@ -51,6 +52,8 @@ pub(super) struct Guidance {
     pub(super) slope: Vec<f64>,
     /// `A G` (`N×Q`), then `I − G K` (`N×N`), and the products of these with others.
     products: [Vec<f64>; 2],
+    /// A column of `K`.
+    column: Vec<f64>,
     /// The factor of `Λ = I + Gᵀ A G`.
     pub(super) lower: Vec<f64>,
 }
@@ -79,11 +82,13 @@ impl Guidance {
         // K, column by column.
         self.gain.clear();
         self.gain.resize(q * n, 0.0);
-        let mut column = vec![0.0; q];
+        let column = &mut self.column;
+        column.clear();
+        column.resize(q, 0.0);
         for i in 0..n {
             column.copy_from_slice(&first[i * q..][..q]);
-            solve_lower(q, &self.lower, &mut column);
-            solve_upper(q, &self.lower, &mut column);
+            solve_lower(q, &self.lower, column);
+            solve_upper(q, &self.lower, column);
             column.iter().enumerate().for_each(|(j, entry)| self.gain[j * n + i] = *entry);
         }
         self.offset.clear();
@@ -92,8 +97,7 @@ impl Guidance {
         // u = b − Kᵀ Gᵀ b.
         self.slope.clear();
         self.slope.extend_from_slice(slope);
-        let pulled: Vec<f64> = self.offset.iter().map(|entry| -entry).collect();
-        add_transposed_times(&self.gain, &pulled, &mut self.slope);
+        subtract_transposed_times(&self.gain, &self.offset, &mut self.slope);
         solve_lower(q, &self.lower, &mut self.offset);
         solve_upper(q, &self.lower, &mut self.offset);
         // M as a sum of squares, which no rounding makes negative.
@@ -113,8 +117,7 @@ impl Guidance {
     pub(super) fn add_through(&mut self, map: &[f64], at_zero: &[f64], potential: &mut Potential) {
         let n = at_zero.len();
         let mut pull = self.slope.clone();
-        let turned: Vec<f64> = at_zero.iter().map(|entry| -entry).collect();
-        add_times(&self.curvature, &turned, &mut pull);
+        subtract_times(&self.curvature, at_zero, &mut pull);
         add_transposed_times(map, &pull, &mut potential.slope);
         let [first, _] = &mut self.products;
         first.resize(first.len().max(n * n), 0.0);

@@ -16,6 +16,8 @@ pub(super) struct Rollout {
     pub(super) path: Path,
     /// `Σ_t log p(y_t | x_t) − ½ |v_t|²` along it; −∞ where no share leads to a number.
     pub(super) objective: f64,
+    /// The root mean square of what the whole move changes noise by, whose standard deviation is 1.
+    pub(super) change: f64,
 }
 
 /// Moves a path by each share of a policy, forwards through the model, and keeps the best.
@@ -35,6 +37,7 @@ pub(super) fn roll<M: StateSpaceModel + ?Sized>(
     let [mut before, mut now] = [const { Vec::new() }; 2].map(|_: Vec<f64>| vec![0.0; n * LANES]);
     let (mut noise, mut rows) = (vec![0.0; most * LANES], vec![0.0; COUNT * n]);
     let (mut objectives, mut likelihoods) = ([0.0; COUNT], [0.0; COUNT]);
+    let mut squared_change = 0.0;
     let mut states = vec![[0.0; COUNT]; path.len() * n];
     let mut noises = vec![[0.0; COUNT]; path.noise.len()];
     for (index, RecordedStep { step, measurement }) in recorded.iter().enumerate() {
@@ -55,6 +58,7 @@ pub(super) fn roll<M: StateSpaceModel + ?Sized>(
                 noises[begin + k][lane] = v;
                 objectives[lane] -= 0.5 * v * v;
             }
+            squared_change += (noises[begin + k][0] - old).powi(2);
         }
         let (step, previous) = (step.step(), (index > 0).then_some(before.as_slice()));
         noise_space.tile_linearised(&step, previous, &noise[..q * LANES], COUNT, &mut now, &mut []);
@@ -76,5 +80,6 @@ pub(super) fn roll<M: StateSpaceModel + ?Sized>(
         starts: path.starts.clone(),
         width: n,
     };
-    Ok(Rollout { path, objective: value(best) })
+    let change = (squared_change / path.noise.len().max(1) as f64).sqrt();
+    Ok(Rollout { path, objective: value(best), change })
 }

@@ -10,26 +10,26 @@ use super::path::{Path, Policy};
 use super::potential::Potential;
 use super::recorded::RecordedStep;
 use super::rollout::{Rollout, roll};
+use super::runs::Run;
 use super::start::filtered_means;
 
 /// Iterations of one start at the most.
 const MOST_ITERATIONS: usize = 12;
 
-/// The largest change of a number of noise, whose standard deviation is 1, at which a path has converged: potentials are quadratics about it, which are as good from a little further away.
-const TOLERANCE: f64 = 0.03;
+/// The root mean square of a move of noise, whose standard deviation is 1, at which a path has converged: potentials are quadratics about it, which are as good from a little further away.
+const TOLERANCE: f64 = 0.1;
+
+/// How often sites are averaged again over the smoothed states of the last path, which these averages then move a little.
+const AVERAGED: usize = 2;
 
 /// The share of what measurements say by which a second start goes.
 const TEMPERED: f64 = 0.1;
-
-/// How often sites are averaged over smoothed states, which these averages then move a little.
-const AVERAGED: usize = 2;
 
 /// A path and all that looking ahead needs of it.
 pub(super) struct Smoothed {
     pub(super) path: Path,
     pub(super) potentials: Vec<Potential>,
     pub(super) linearised: LinearisedPath,
-    policy: Policy,
     /// `Σ_t log p(y_t | x_t) − ½ |v_t|²`.
     objective: f64,
     pub(super) has_converged: bool,
@@ -44,21 +44,21 @@ enum Start {
     Undisturbed,
 }
 
-/// The smoothed path of a sequence with so many draws in each step: from an extended Kalman filter, and from elsewhere if that does not converge.
+/// The smoothed path of a sequence with these runs: from an extended Kalman filter, and from elsewhere if that does not converge.
 ///
 /// # Errors
 /// [`LookAheadError`] if no start leads to finite potentials.
 pub(super) fn smooth<M: StateSpaceModel + ?Sized>(
     model: &M,
     recorded: &[RecordedStep],
-    draws: &[usize],
+    runs: &[Run],
 ) -> Result<Smoothed, LookAheadError> {
     let starts =
         [Start::Filtered { tempered: 1.0 }, Start::Filtered { tempered: TEMPERED }, Start::Undisturbed];
     let mut best: Option<Smoothed> = None;
     let mut failure = LookAheadError::Empty;
     for start in starts {
-        match from_start(model, recorded, draws, start) {
+        match from_start(model, recorded, runs, start) {
             Ok(found) => {
                 let is_better = best.as_ref().is_none_or(|best| found.objective > best.objective);
                 let is_done = found.has_converged;
@@ -70,32 +70,23 @@ pub(super) fn smooth<M: StateSpaceModel + ?Sized>(
             Err(error) => failure = error,
         }
     }
-    let mut best = best.ok_or(failure)?;
-    let (mut averages, mut local) = (Averages::default(), local(model)?);
-    for _ in 0..AVERAGED {
-        if !averages.find(&mut local, recorded, &best.path, &best.policy, &mut best.linearised) {
-            break;
-        }
-        // Where averages are too large, what there was stays.
-        let Ok((potentials, policy)) = best.linearised.potentials(&best.path) else { break };
-        (best.potentials, best.policy) = (potentials, policy);
-    }
-    Ok(best)
+    best.ok_or(failure)
 }
 
 /// Iterations from one start.
 fn from_start<M: StateSpaceModel + ?Sized>(
     model: &M,
     recorded: &[RecordedStep],
-    draws: &[usize],
+    runs: &[Run],
     start: Start,
 ) -> Result<Smoothed, LookAheadError> {
     let noise_space = model.noise_space().ok_or(LookAheadError::NoNoise)?;
-    let mut local: Local<'_> = local(model)?;
-    let mut path = Path::without_noise(model.state_dim(), draws.iter().copied());
+    let mut smoother = Smoother { recorded, runs, local: local(model)?, averages: Averages::default() };
+    let counts = runs.iter().flat_map(|run| run.steps.clone().map(|_| run.draws.len()));
+    let mut path = Path::without_noise(model.state_dim(), counts);
     match start {
         Start::Filtered { tempered } => {
-            path = filtered_means(model, &mut local, recorded, path, tempered)?;
+            path = filtered_means(model, &mut smoother.local, recorded, path, tempered)?;
         }
         Start::Undisturbed => {
             let still = Policy {
@@ -106,24 +97,66 @@ fn from_start<M: StateSpaceModel + ?Sized>(
             path = roll(model, noise_space, recorded, &path, &still)?.path;
         }
     }
-    let mut linearised = LinearisedPath::default();
+    let (mut linearised, mut last) = (LinearisedPath::default(), None);
     let (mut objective, mut has_converged) = (f64::NEG_INFINITY, false);
     for _ in 0..MOST_ITERATIONS {
-        linearised.along(&mut local, recorded, &path)?;
-        let (_, policy) = linearised.potentials(&path)?;
-        let Rollout { path: moved, objective: found } = roll(model, noise_space, recorded, &path, &policy)?;
-        if found == f64::NEG_INFINITY {
+        let (_, mut policy) = smoother.linearise(&path, last.as_ref(), &mut linearised)?;
+        let moved = roll(model, noise_space, recorded, &path, &policy)?;
+        if moved.objective == f64::NEG_INFINITY {
             break;
         }
-        let changes = moved.noise.iter().zip(&path.noise).map(|(now, before)| (now - before).abs());
-        has_converged = changes.fold(0.0, f64::max) < TOLERANCE;
-        let is_stuck = found <= objective && !has_converged;
-        (path, objective) = (moved, found);
+        has_converged = moved.change < TOLERANCE;
+        let is_stuck = moved.objective <= objective && !has_converged;
+        Rollout { path, objective, .. } = moved;
+        // The path has been moved.
+        policy.moves.fill(0.0);
+        last = Some(policy);
         if has_converged || is_stuck {
             break;
         }
     }
-    linearised.along(&mut local, recorded, &path)?;
-    let (potentials, policy) = linearised.potentials(&path)?;
-    Ok(Smoothed { path, potentials, policy, linearised, objective, has_converged })
+    let (mut potentials, mut policy) = smoother.linearise(&path, last.as_ref(), &mut linearised)?;
+    for _ in 0..AVERAGED {
+        if !smoother.average(&path, &policy, &mut linearised) {
+            break;
+        }
+        // Where averages are too large, what there was stays.
+        let Ok(averaged) = linearised.potentials(&path) else { break };
+        (potentials, policy) = averaged;
+    }
+    Ok(Smoothed { path, potentials, linearised, objective, has_converged })
+}
+
+/// What a model and the measurements say about paths.
+struct Smoother<'a> {
+    recorded: &'a [RecordedStep],
+    runs: &'a [Run],
+    local: Local<'a>,
+    averages: Averages,
+}
+
+impl Smoother<'_> {
+    /// The potentials of a path and its next move, with the model linearised along it and sites averaged over the Gaussians of a policy, if there is one.
+    fn linearise(
+        &mut self,
+        path: &Path,
+        gaussians: Option<&Policy>,
+        linearised: &mut LinearisedPath,
+    ) -> Result<(Vec<Potential>, Policy), LookAheadError> {
+        linearised.along(&mut self.local, self.recorded, self.runs, path)?;
+        if gaussians.is_some_and(|policy| self.average(path, policy, linearised)) {
+            let averaged = linearised.potentials(path);
+            if averaged.is_ok() {
+                return averaged;
+            }
+            // Where averages are too large, sites are those of the path.
+            linearised.along(&mut self.local, self.recorded, self.runs, path)?;
+        }
+        linearised.potentials(path)
+    }
+
+    /// Averages the sites over the Gaussians of a policy; whether that changes one.
+    fn average(&mut self, path: &Path, policy: &Policy, linearised: &mut LinearisedPath) -> bool {
+        self.averages.find(&mut self.local, self.recorded, self.runs, (path, policy), linearised)
+    }
 }

@@ -95,10 +95,10 @@ pub(super) fn filtered_means<M: StateSpaceModel + ?Sized>(
     let (mut rows, mut likelihoods) = (vec![0.0; COUNT * n], [0.0; COUNT]);
     for (index, RecordedStep { step, measurement }) in recorded.iter().enumerate() {
         let (step, previous) = (step.step(), (index > 0).then(|| belief.mean.clone()));
-        local.map(&step, previous.as_deref(), path.noise(index), &mut map);
+        local.maps(&step, previous.as_deref(), path.noise(index), std::slice::from_mut(&mut map));
         belief.predict(&map);
         if measurement.iter().any(Option::is_some) {
-            local.site(&step, &belief.mean, measurement, &mut site);
+            local.sites(&step, &belief.mean, |_| measurement, std::slice::from_mut(&mut site));
             site.slope.iter_mut().for_each(|slope| *slope *= tempered);
             site.roots.iter_mut().for_each(|root| *root *= tempered.sqrt());
             let (moved, size) = belief.correct(&site);

@@ -5,6 +5,7 @@ mod common;
 mod exact;
 mod models;
 mod planted;
+mod runs;
 mod several;
 mod silent;
 mod smoothing;

@@ -57,7 +57,8 @@ impl<S: Scalar> Family<S> for Laplace<S> {
     fn score(self, y: S) -> Score<S> {
         let (one, rest) = (S::from(1.0), y - self.location);
         let sign = rest.where_positive(one, (-rest).where_positive(-one, S::from(0.0)));
-        let information = one / (self.scale * self.scale);
+        // That of the normal distribution of this slope, far out.
+        let information = (one / self.scale).min(one / rest.abs()) / self.scale;
         Score { location: self.location, slope: sign / self.scale, information }
     }
 

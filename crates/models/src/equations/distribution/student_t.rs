@@ -77,11 +77,9 @@ impl<S: Scalar> Family<S> for StudentT<S> {
     fn score(self, y: S) -> Score<S> {
         let StudentT { df, location, scale } = self;
         let (rest, square) = (y - location, scale * scale);
-        Score {
-            location,
-            slope: (df + 1.0) * rest / (df * square + rest * rest),
-            information: (df + 1.0) / ((df + 3.0) * square),
-        }
+        // That of the normal distribution of this slope, far out: an outlier says next to nothing.
+        let pull = (df + 1.0) / (df * square + rest * rest);
+        Score { location, slope: pull * rest, information: pull.min((df + 1.0) / ((df + 3.0) * square)) }
     }
 
     #[inline(always)]

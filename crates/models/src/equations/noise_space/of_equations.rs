@@ -54,6 +54,12 @@ impl<M: Equations> NoiseSpace for M {
         list.0
     }
 
+    fn are_alike(&self, one: &Step<'_>, other: &Step<'_>) -> bool {
+        let is_later = |step: &Step<'_>| step.index > 0;
+        let moved = Step { index: one.index, time: one.time, ..*other };
+        is_later(one) == is_later(other) && !self.depends_on_time() && moved == *one || one == other
+    }
+
     fn tile_states(&self, step: &Step<'_>, previous: Option<&[f64]>, noise: &[f64], states: &mut [f64]) {
         let mut draws = NoiseDraws { noise: rows_of(noise) };
         let states = rows_of_mut(states);

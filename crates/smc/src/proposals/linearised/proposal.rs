@@ -25,7 +25,7 @@ use crate::proposals::noise_share::noise_share;
 /// Where noise is Gaussian this is a step of the extended Kalman filter. Where the measurement is linear in `x_t` too, with constant noise, it is the
 /// optimal proposal `p(x_t | x_{t−1}, y_t)`.
 ///
-/// - It also works for counts and heavy tails, whose Fisher information is finite.
+/// - It also works for counts and heavy tails, whose Fisher information is finite. Far out in a heavy tail `I_j` is smaller ([`Score`](motes_models::equations::Score)).
 /// - An entry that says nothing finite at a particle's `m` is left out for that particle.
 /// - Where no location depends on the state (or, below, on the noise of the step), it is the transition, and [`Linearised::sees_measurements`] says so.
 /// - A measurement with gaps is used as far as it is there.
