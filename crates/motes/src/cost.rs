@@ -16,7 +16,7 @@ const PER_PARTICLE: f64 = 15.0;
 
 /// What a proposal costs at a time step, in particles of a bootstrap filter: about. Medians of counted instructions in seven models (`experiments/look-ahead/costs.py`); of potentials in three
 /// whose folders hand them out, of one coordinate each; a network for each particle is counted on the growth model alone. Of `linearised` it is the median of the times in six committed benchmarks
-/// (`experiments/reference/learned-*`, from 2.0 to 5.2): valgrind counts narrower vectors, and finds 3.5. Not counted are the units of potentials over a prior, which take 32 sequences of the model
+/// (`experiments/reference/learned-*`, from 2.0 to 5.2): valgrind counts narrower vectors, and finds 3.4. Not counted are the units of potentials over a prior, which take 32 sequences of the model
 /// once for each set of parameters.
 ///
 /// Where states have no density, the noise of a whole step is drawn at once, of all its sub-steps: a particle then costs about as many particles of a bootstrap filter as there are draws (20 of 20

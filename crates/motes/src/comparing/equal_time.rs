@@ -5,6 +5,9 @@ use std::fmt;
 use super::card::{Steps, totals};
 use crate::contender::Contender;
 
+/// What rounding leaves of an error of the log-evidence: no proposal is known to be better than this.
+const ROUNDING: f64 = 1e-12;
+
 /// A contender with some particles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
@@ -27,8 +30,22 @@ impl Point {
 
     /// The root mean square of the log-evidence's distance from the reference; none if a filter collapsed.
     pub fn error(&self) -> Option<f64> {
-        let squares = self.gaps.iter().map(|gap| gap.map(|gap| gap * gap)).sum::<Option<f64>>();
-        squares.map(|squares| (squares / self.gaps.len() as f64).sqrt())
+        Some(self.mean_square(None).sqrt()).filter(|error| error.is_finite())
+    }
+
+    /// The mean square of that distance, with or without one of the sequences; infinite if a filter collapsed.
+    pub(super) fn mean_square(&self, left_out: Option<usize>) -> f64 {
+        let gaps = self.gaps.iter().enumerate().filter(|(at, _)| Some(*at) != left_out).map(|(_, gap)| gap);
+        // A distance that is no number stays none.
+        let at_least = |gap: f64| if gap.abs() < ROUNDING { ROUNDING } else { gap };
+        let squares: Vec<f64> =
+            gaps.map(|gap| gap.map_or(f64::INFINITY, |gap| at_least(gap).powi(2))).collect();
+        squares.iter().sum::<f64>() / squares.len() as f64
+    }
+
+    /// Whether all that is left of the error is rounding.
+    pub(super) fn is_exact(&self) -> bool {
+        self.gaps.iter().all(|gap| gap.is_some_and(|gap| gap.abs() <= ROUNDING))
     }
 }
 
@@ -104,9 +121,7 @@ impl EqualTime {
                 (Some(before), Some(after)) => {
                     // No line can be drawn from a point that collapsed.
                     let share = match (before.error(), after.error()) {
-                        (Some(a), Some(b)) if a > b => {
-                            ((a / error).ln() / (a / b.max(1e-300)).ln()).clamp(0.0, 1.0)
-                        }
+                        (Some(a), Some(b)) if a > b => ((a / error).ln() / (a / b).ln()).clamp(0.0, 1.0),
                         _ => 1.0,
                     };
                     let between = |a: f64, b: f64| (a.ln() + share * (b / a).ln()).exp();
@@ -126,7 +141,7 @@ impl EqualTime {
             .points
             .iter()
             .filter(|point| point.contender == *contender)
-            .filter_map(|point| Some((point.ms_per_step.ln(), point.error()?.max(1e-300).ln())))
+            .filter_map(|point| Some((point.ms_per_step.ln(), point.error()?.ln())))
             .collect();
         known.sort_by(|a, b| a.0.total_cmp(&b.0));
         let at = ms.ln();

@@ -6,9 +6,6 @@ use crate::contender::Contender;
 /// Standard errors to either side of an interval that holds the truth in 90 of 100 cases.
 const WITHIN_90: f64 = 1.645;
 
-/// What rounding leaves of an error of the log-evidence: no proposal is known to be better than this.
-const ROUNDING: f64 = 1e-12;
-
 /// How many times as long another proposal takes for the same error of the log-evidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gain {
@@ -30,8 +27,7 @@ impl EqualTime {
         let filters = contenders.iter().filter(|one| !one.looks_ahead() && !one.is_learned());
         let over = *filters.min_by(|a, b| of_all(a).total_cmp(&of_all(b)))?;
         // Where nothing is measured, nobody has an error.
-        let is_exact = |point: &Point| mean_square(point, None) <= ROUNDING * ROUNDING;
-        if self.points.iter().any(|point| point.contender == *over && is_exact(point)) {
+        if self.points.iter().any(|point| point.contender == *over && point.is_exact()) {
             return None;
         }
         let sequences = self.points.first().map_or(0, |point| point.gaps.len());
@@ -54,22 +50,15 @@ impl EqualTime {
     /// The least squared error times milliseconds of a contender, with or without one of the sequences; infinite if it collapsed with any number of particles.
     fn inefficiency(&self, contender: &Contender, left_out: Option<usize>) -> f64 {
         let own = self.points.iter().filter(|point| point.contender == *contender);
-        own.map(|point| mean_square(point, left_out) * point.ms_per_step).fold(f64::INFINITY, f64::min)
+        own.map(|point| point.mean_square(left_out) * point.ms_per_step).fold(f64::INFINITY, f64::min)
     }
 }
 
 /// Whether the last of a contender's points, from few particles to many, has the least squared error for its time by a tenth or more.
 pub(super) fn is_best_at_last(points: &[Point]) -> bool {
-    let of = |point: &Point| mean_square(point, None) * point.ms_per_step;
+    let of = |point: &Point| point.mean_square(None) * point.ms_per_step;
     let Some((last, before)) = points.split_last() else { return false };
     before.iter().all(|point| 0.9 * of(point) > of(last)) || !of(last).is_finite()
-}
-
-fn mean_square(point: &Point, left_out: Option<usize>) -> f64 {
-    let gaps = point.gaps.iter().enumerate().filter(|(at, _)| Some(*at) != left_out).map(|(_, gap)| gap);
-    let squares: Vec<f64> =
-        gaps.map(|gap| gap.map_or(f64::INFINITY, |gap| gap.abs().max(ROUNDING).powi(2))).collect();
-    squares.iter().sum::<f64>() / squares.len() as f64
 }
 
 fn interval(ratio: f64, sequences: usize, log_ratio: impl Fn(Option<usize>) -> f64) -> Option<[f64; 2]> {
@@ -128,7 +117,7 @@ mod tests {
         all.extend(points(ProposalName::LookAhead, 0.1, &[(10, &[Some(0.0), Some(-1e-14)])]));
         let (_, gains) = EqualTime { points: all }.gains().unwrap();
         assert!((gains[0].ratio / 1e24 - 1.0).abs() < 1e-9, "{}", gains[0].ratio);
-        let exact = points(ProposalName::Bootstrap, 0.1, &[(10, &[Some(0.0)]), (100, &[Some(0.0)])]);
+        let exact = points(ProposalName::Bootstrap, 0.1, &[(10, &[Some(0.0); 3]), (100, &[Some(0.0); 3])]);
         assert_eq!(EqualTime { points: exact }.gains(), None);
     }
 

@@ -11,7 +11,7 @@ use super::error::LookAheadError;
 use super::local::LocalMap;
 use super::potential::{Numbers, Potential};
 use super::recorded::RecordedStep;
-use super::runs::{Run, runs_of};
+use super::runs::{Run, draws_of_all, runs_of};
 use super::smoother::{Smoothed, smooth};
 use crate::proposals::{log_add, noise_share};
 
@@ -66,9 +66,8 @@ pub(super) fn look<M: Linearise + ?Sized>(
 ) -> Result<(Vec<StepAhead>, bool), LookAheadError> {
     let runs = runs_of(model, recorded)?;
     let Smoothed { path, potentials, linearised, has_converged, .. } = smooth(model, recorded, &runs)?;
-    let draws = runs.iter().flat_map(|run| run.steps.clone().map(|_| run.draws.as_slice()));
     let mut steps = Vec::with_capacity(recorded.len());
-    for ((index, potential), draws) in potentials.into_iter().enumerate().zip(draws) {
+    for ((index, potential), draws) in potentials.into_iter().enumerate().zip(draws_of_all(&runs)) {
         let RecordedStep { step, measurement } = &recorded[index];
         let variances = normal_variances(model, draws, &linearised.maps[index]);
         steps.push(StepAhead {

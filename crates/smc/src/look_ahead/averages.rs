@@ -37,6 +37,8 @@ pub(super) struct Averages {
     scores: Vec<f64>,
     /// A triangle whose factor says whether a matrix is positive semidefinite.
     check: Vec<f64>,
+    /// Whether all log-densities were seen to be quadratic, which are their own averages.
+    is_quadratic: bool,
     spare: [Vec<f64>; 2],
 }
 
@@ -80,7 +82,10 @@ impl Averages {
         (path, policy): (&Path, &Policy),
         linearised: &mut LinearisedPath,
     ) -> bool {
-        let (n, mut has_changed) = (path.width, false);
+        if self.is_quadratic {
+            return false;
+        }
+        let (n, mut has_changed, mut has_refused) = (path.width, false, false);
         zeros(&mut self.deviation, n);
         zeros(&mut self.covariance, n * n);
         for Run { steps: run, .. } in runs {
@@ -93,6 +98,7 @@ impl Averages {
                     self.place(at, path.state(index));
                 }
             }
+            has_refused |= is_measured && self.clouds[..run.len()].iter().any(|cloud| !cloud.is_regular);
             let placed: SmallVec<[usize; LANES]> =
                 (0..run.len()).filter(|at| self.clouds[*at].is_regular).collect();
             zeros(&mut self.scores, self.points.len());
@@ -100,9 +106,13 @@ impl Averages {
                 |row: usize| recorded[run.start + placed[row / (2 * n + 1)]].measurement.as_slice();
             local.scores(&recorded[run.start].step.step(), &self.points, measurement, &mut self.scores);
             for (number, at) in placed.into_iter().enumerate() {
-                has_changed |= self.average(number, at, &mut linearised.sites[run.start + at]);
+                match self.average(number, at, &mut linearised.sites[run.start + at]) {
+                    Some(is_new) => has_changed |= is_new,
+                    None => has_refused = true,
+                }
             }
         }
+        self.is_quadratic = !has_changed && !has_refused;
         has_changed
     }
 
@@ -179,8 +189,8 @@ impl Averages {
     }
 
     /// The averages of the scores of a cloud, which is the one of this number that has any, and of what they change by, where the second is positive semidefinite; whether they differ from
-    /// what the site had.
-    fn average(&mut self, number: usize, at_step: usize, site: &mut Site) -> bool {
+    /// what the site had, and none where there are no such averages.
+    fn average(&mut self, number: usize, at_step: usize, site: &mut Site) -> Option<bool> {
         let Averages { clouds, scores, check, spare: [slope, curvature], .. } = self;
         let Cloud { deviation, lower, .. } = &clouds[at_step];
         let n = deviation.len();
@@ -188,7 +198,7 @@ impl Averages {
         let scores = &mut scores[number * count..][..count];
         let size = largest(scores);
         if !size.is_finite() {
-            return false;
+            return None;
         }
         let (middle, around) = scores.split_at_mut(n);
         let (slope, curvature) = (zeros(slope, n), zeros(curvature, n * n));
@@ -219,7 +229,7 @@ impl Averages {
         (0..n).for_each(|i| check[at(i, i)] += ROUNDING * trace + f64::MIN_POSITIVE);
         factor(n, check);
         if check.iter().any(|entry| entry.is_nan()) {
-            return false;
+            return None;
         }
         // L⁻ᵀ A L⁻¹ by rows, twice, as A is symmetric.
         for _ in 0..2 {
@@ -235,10 +245,10 @@ impl Averages {
         };
         // A quadratic is its own average, but for rounding.
         if is_same(slope, &site.slope, size) && is_same(curvature, &site.curvature, largest(curvature)) {
-            return false;
+            return Some(false);
         }
         site.slope.copy_from_slice(slope);
         site.curvature.copy_from_slice(curvature);
-        true
+        Some(true)
     }
 }

@@ -1,7 +1,7 @@
 //! A model near states: its map of noise and its measurement, linearised.
 
 use motes_models::Step;
-use motes_models::batch::{LANES, store};
+use motes_models::batch::{LANES, load, store};
 use motes_models::equations::{Lanes, NoiseSpace};
 
 /// `x ≈ x⁺ + F (x' − x̂') + G (v − v̂)` of a step.
@@ -35,16 +35,11 @@ pub(super) struct Local<'m> {
     measurement: Vec<Option<Lanes>>,
 }
 
-/// A row of each state, up to a tile of them, into a tile whose other lanes have the last.
+/// A row of each state, up to a tile of them, into a tile.
 fn fill_tile(rows: &[f64], count: usize, tile: &mut Vec<f64>) {
     let width = rows.len() / count;
-    tile.clear();
     tile.resize(width * LANES, 0.0);
-    for (i, lanes) in tile.chunks_exact_mut(LANES).enumerate() {
-        for (lane, place) in lanes.iter_mut().enumerate() {
-            *place = rows[lane.min(count - 1) * width + i];
-        }
-    }
+    load(rows, width, tile);
 }
 
 /// What stands in one lane of each row.

@@ -56,6 +56,11 @@ pub(super) fn runs_of<M: Linearise + ?Sized>(
     Ok(runs)
 }
 
+/// What each step of a sequence with these runs draws.
+pub(super) fn draws_of_all(runs: &[Run]) -> impl Iterator<Item = &[Draw]> {
+    runs.iter().flat_map(|run| run.steps.clone().map(|_| run.draws.as_slice()))
+}
+
 /// The draws of a step: none where no time passes.
 pub(super) fn draws_of(model: &dyn NoiseSpace, step: &Step<'_>) -> Vec<Draw> {
     if step.index > 0 && step.sub_steps == 0 { Vec::new() } else { model.draws(step) }

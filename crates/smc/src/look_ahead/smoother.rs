@@ -10,7 +10,7 @@ use super::path::{Path, Policy};
 use super::potential::Potential;
 use super::recorded::RecordedStep;
 use super::rollout::{Rollout, roll};
-use super::runs::Run;
+use super::runs::{Run, draws_of_all};
 use super::start::filtered_means;
 
 /// Iterations of one start at the most.
@@ -82,8 +82,7 @@ fn from_start<M: StateSpaceModel + ?Sized>(
 ) -> Result<Smoothed, LookAheadError> {
     let noise_space = model.noise_space().ok_or(LookAheadError::NoNoise)?;
     let mut smoother = Smoother { recorded, runs, local: local(model)?, averages: Averages::default() };
-    let counts = runs.iter().flat_map(|run| run.steps.clone().map(|_| run.draws.len()));
-    let mut path = Path::without_noise(model.state_dim(), counts);
+    let mut path = Path::without_noise(model.state_dim(), draws_of_all(runs).map(<[_]>::len));
     match start {
         Start::Filtered { tempered } => {
             path = filtered_means(model, &mut smoother.local, recorded, path, tempered)?;
@@ -115,8 +114,10 @@ fn from_start<M: StateSpaceModel + ?Sized>(
             break;
         }
     }
-    let (mut potentials, mut policy) = smoother.linearise(&path, last.as_ref(), &mut linearised)?;
-    for _ in 0..AVERAGED {
+    // Gaussians about a path that has not converged are no smoothed states: averages over them are worse than the sites of the path.
+    let (gaussians, rounds) = if has_converged { (last, AVERAGED) } else { (None, 0) };
+    let (mut potentials, mut policy) = smoother.linearise(&path, gaussians.as_ref(), &mut linearised)?;
+    for _ in 0..rounds {
         if !smoother.average(&path, &policy, &mut linearised) {
             break;
         }

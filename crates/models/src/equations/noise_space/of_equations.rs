@@ -55,9 +55,10 @@ impl<M: Equations> NoiseSpace for M {
     }
 
     fn are_alike(&self, one: &Step<'_>, other: &Step<'_>) -> bool {
-        let is_later = |step: &Step<'_>| step.index > 0;
+        // The start has no state before it.
+        let may_be_moved = !self.depends_on_time() && (one.index > 0) == (other.index > 0);
         let moved = Step { index: one.index, time: one.time, ..*other };
-        is_later(one) == is_later(other) && !self.depends_on_time() && moved == *one || one == other
+        if may_be_moved { moved == *one } else { other == one }
     }
 
     fn tile_states(&self, step: &Step<'_>, previous: Option<&[f64]>, noise: &[f64], states: &mut [f64]) {
