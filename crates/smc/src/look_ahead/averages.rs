@@ -8,11 +8,15 @@ use super::backward::{LinearisedPath, Site};
 use super::dense::{add_product_of_transposed, add_times, dot, product};
 use super::local::Local;
 use super::path::{Path, Policy};
+use super::potential::Numbers;
 use super::recorded::RecordedStep;
 use super::runs::Run;
 
 /// How many standard deviations points lie from the mean: with weights of 1/6 there, sums of polynomials of the fifth degree along the axes have their mean.
 const AWAY: f64 = 1.732_050_807_568_877_2;
+
+/// How many standard deviations of its Gaussian a mean lies from the path where a model linearised along that says nothing of it.
+const FAR: f64 = 3.0;
 
 /// What rounding may do to numbers, as a share of their size.
 const ROUNDING: f64 = 1e-10;
@@ -45,12 +49,33 @@ pub(super) struct Averages {
 /// Points around the mean of a smoothed state.
 #[derive(Debug, Default)]
 struct Cloud {
-    /// Whether the state has a density; else there are no points.
+    /// Whether the state has a density, and its mean is near the path; else there are no points.
     is_regular: bool,
     /// `m − x̂`, `N`.
     deviation: Vec<f64>,
     /// `P = L Lᵀ`.
     lower: Vec<f64>,
+}
+
+impl Cloud {
+    /// Takes the Gaussian of a state, where `deviation` is from the path.
+    fn centre(&mut self, deviation: &[f64], covariance: &[f64]) {
+        let n = deviation.len();
+        self.deviation.clear();
+        self.deviation.extend_from_slice(deviation);
+        self.lower.clear();
+        self.lower.extend(lower_entries(n).map(|(i, j)| covariance[i * n + j]));
+        factor(n, &mut self.lower);
+        let has_density = |i: usize| self.lower[at(i, i)].powi(2) > ROUNDING * covariance[i * n + i];
+        self.is_regular = (0..n).all(has_density) && !self.is_far();
+    }
+
+    /// Whether `dᵀ P⁻¹ d` of the mean `d` from the path is more than [`FAR`]² for each coordinate.
+    fn is_far(&self) -> bool {
+        let (n, mut scaled) = (self.deviation.len(), Numbers::from_slice(&self.deviation));
+        solve_lower(n, &self.lower, &mut scaled);
+        dot(&scaled, &scaled) > FAR * FAR * n as f64
+    }
 }
 
 fn zeros(memory: &mut Vec<f64>, count: usize) -> &mut [f64] {
@@ -163,16 +188,32 @@ impl Averages {
         std::mem::swap(covariance, second);
     }
 
+    /// The steps whose smoothed means, where noise is moved by this policy, are far from the path.
+    pub(super) fn far_steps(
+        &mut self,
+        path: &Path,
+        policy: &Policy,
+        linearised: &LinearisedPath,
+    ) -> Vec<usize> {
+        let n = path.width;
+        zeros(&mut self.deviation, n);
+        zeros(&mut self.covariance, n * n);
+        let mut cloud = Cloud::default();
+        let is_far = |index: &usize| {
+            self.advance(*index, path, policy, linearised);
+            cloud.centre(&self.deviation, &self.covariance);
+            cloud.is_far()
+        };
+        (0..path.len()).filter(is_far).collect()
+    }
+
     /// Puts points around the mean of a step of the run, if there is a density of such states.
     fn place(&mut self, at_step: usize, state: &[f64]) {
         let n = state.len();
         let Averages { deviation, covariance, clouds, points, .. } = self;
-        let Cloud { is_regular, deviation: kept, lower } = &mut clouds[at_step];
-        kept.clone_from(deviation);
-        lower.clear();
-        lower.extend(lower_entries(n).map(|(i, j)| covariance[i * n + j]));
-        factor(n, lower);
-        *is_regular = (0..n).all(|i| lower[at(i, i)].powi(2) > ROUNDING * covariance[i * n + i]);
+        let cloud = &mut clouds[at_step];
+        cloud.centre(deviation, covariance);
+        let Cloud { is_regular, lower, .. } = cloud;
         if !*is_regular {
             return;
         }

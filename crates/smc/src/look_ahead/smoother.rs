@@ -114,16 +114,17 @@ fn from_start<M: StateSpaceModel + ?Sized>(
             break;
         }
     }
-    // Gaussians about a path that has not converged are no smoothed states: averages over them are worse than the sites of the path.
-    let (gaussians, rounds) = if has_converged { (last, AVERAGED) } else { (None, 0) };
-    let (mut potentials, mut policy) = smoother.linearise(&path, gaussians.as_ref(), &mut linearised)?;
-    for _ in 0..rounds {
+    let (mut potentials, mut policy) = smoother.linearise(&path, last.as_ref(), &mut linearised)?;
+    for _ in 0..AVERAGED {
         if !smoother.average(&path, &policy, &mut linearised) {
             break;
         }
         // Where averages are too large, what there was stays.
         let Ok(averaged) = linearised.potentials(&path) else { break };
         (potentials, policy) = averaged;
+    }
+    if !has_converged && smoother.take_back(&path, &policy, &mut linearised)? {
+        (potentials, _) = linearised.potentials(&path)?;
     }
     Ok(Smoothed { path, potentials, linearised, objective, has_converged })
 }
@@ -154,6 +155,26 @@ impl Smoother<'_> {
             linearised.along(&mut self.local, self.recorded, self.runs, path)?;
         }
         linearised.potentials(path)
+    }
+
+    /// Where a policy leads far from the path, makes sites those of the path again: averages over states there can be wrong by thousands of nats. Whether there are such steps.
+    fn take_back(
+        &mut self,
+        path: &Path,
+        policy: &Policy,
+        linearised: &mut LinearisedPath,
+    ) -> Result<bool, LookAheadError> {
+        let far = self.averages.far_steps(path, policy, linearised);
+        if far.is_empty() {
+            return Ok(false);
+        }
+        let mut averaged = std::mem::take(&mut linearised.sites);
+        linearised.along(&mut self.local, self.recorded, self.runs, path)?;
+        for index in far {
+            std::mem::swap(&mut averaged[index], &mut linearised.sites[index]);
+        }
+        linearised.sites = averaged;
+        Ok(true)
     }
 
     /// Averages the sites over the Gaussians of a policy; whether that changes one.
