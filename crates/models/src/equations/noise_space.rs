@@ -1,5 +1,6 @@
 //! A model in the space of its noise: states as a map of standard normal numbers, and what a measurement says of these.
 
+mod by_sub_steps;
 mod guided;
 mod linearised;
 mod of_equations;

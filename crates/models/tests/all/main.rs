@@ -10,5 +10,6 @@ mod experiments_as_transports;
 mod gradients;
 mod normals;
 mod quantiles;
+mod sub_steps;
 mod transports;
 mod wrapped;

@@ -55,3 +55,40 @@ fn outliers_are_passed_by() {
     let bias = found + 0.5 * variance - right - 0.5 * of_right;
     assert!(variance < 0.1 && bias.abs() < 4.0 * ((variance + of_right) / 50.0).sqrt());
 }
+
+/// A square hides the sign of the state, and paths do not converge.
+struct Growth;
+
+impl Equations for Growth {
+    fn dimensions(&self) -> [usize; 2] {
+        [1, 1]
+    }
+
+    fn initial<S: Scalar>(&self, _: &Step<'_, S>, draws: &mut impl Draws<S>, x: &mut [S]) {
+        x[0] = draws.draw(normal(0.0, 2.2));
+    }
+
+    fn transition<S: Scalar>(
+        &self,
+        step: &Step<'_, S>,
+        before: &[S],
+        draws: &mut impl Draws<S>,
+        x: &mut [S],
+    ) {
+        let drift = before[0] * 0.5 + before[0] * 25.0 / (before[0] * before[0] + 1.0);
+        x[0] = draws.draw(normal(drift + (step.time * 1.2).cos() * 8.0, 3.2));
+    }
+
+    fn measurement<S: Scalar>(&self, _: &Step<'_, S>, x: &[S], y: &mut impl Coordinates<S>) {
+        y.push(normal(x[0] * x[0] * 0.05, 1.0));
+    }
+}
+
+/// Catches averages over states far from a path: some of these are then off by thousands.
+#[test]
+fn where_paths_do_not_converge_no_average_is_far_off() {
+    for seed in 0..300 {
+        let found = evidence_of_runs(&Growth, &rows(&Growth, 100, seed), 30, 1, None)[0];
+        assert!(found > -1000.0, "{seed}: {found}");
+    }
+}

@@ -11,18 +11,20 @@ use crate::equations::tiles::with_scalars;
 use crate::equations::varied::{SIDE, Side, Varied, put, side};
 
 /// Answers draws with what their noise is transported to, with derivatives along directions from `first` on.
-struct Near<'a> {
-    noise: &'a [Lanes],
-    lane: usize,
-    first: usize,
-    drawn: usize,
+pub(super) struct Near<'a> {
+    pub(super) noise: &'a [Lanes],
+    pub(super) lane: usize,
+    /// The direction of the first draw.
+    pub(super) of_noise: usize,
+    pub(super) first: usize,
+    pub(super) drawn: usize,
 }
 
 impl<const E: usize> Draws<Varied<E>> for Near<'_> {
     #[inline(always)]
     fn draw(&mut self, distribution: Distribution<Varied<E>>) -> Varied<E> {
         let Some(v) = self.noise.get(self.drawn) else { return Varied::from(f64::NAN) };
-        let v = varied(side(v, self.lane), self.drawn, self.first);
+        let v = varied(side(v, self.lane), self.of_noise + self.drawn, self.first);
         self.drawn += 1;
         distribution.near(v)
     }
@@ -30,7 +32,7 @@ impl<const E: usize> Draws<Varied<E>> for Near<'_> {
 
 /// A number that is one of the directions from `first` on, if it is among them.
 #[inline(always)]
-fn varied<const E: usize>(value: Side, direction: usize, first: usize) -> Varied<E> {
+pub(super) fn varied<const E: usize>(value: Side, direction: usize, first: usize) -> Varied<E> {
     match direction.checked_sub(first).filter(|direction| *direction < E - 1) {
         Some(direction) => Varied::variable(value, direction),
         None => Varied::constant(value),
@@ -82,6 +84,18 @@ pub(super) struct Linearisation<'a, M> {
 impl<M: Equations> Linearisation<'_, M> {
     /// Finds it along `E − 1` directions at a time.
     pub(super) fn along<const E: usize>(&mut self) {
+        let ([n, _], sub_steps) = (self.model.dimensions(), self.step.sub_steps);
+        // Products of derivatives take their time, too.
+        let of_one = n + self.noise.len().div_ceil(sub_steps.max(1));
+        match self.previous {
+            Some(previous) if sub_steps > 1 && self.directions > 2 * of_one => {
+                self.by_sub_steps::<E>(previous)
+            }
+            _ => self.at_once::<E>(),
+        }
+    }
+
+    fn at_once<const E: usize>(&mut self) {
         let Linearisation { model, step, previous, noise, particles, directions, states, jacobian } = self;
         let ([n, _], q, directions) = (model.dimensions(), noise.len(), *directions);
         let sides = (*particles).min(LANES).next_multiple_of(SIDE);
@@ -98,7 +112,7 @@ impl<M: Equations> Linearisation<'_, M> {
                                         *before = varied(side(value, lane), q + j, first);
                                     }
                                 }
-                                let mut near = Near { noise, lane, first, drawn: 0 };
+                                let mut near = Near { noise, lane, of_noise: 0, first, drawn: 0 };
                                 let before = previous.map(|_| &*before);
                                 make_state(*model, step, before, &mut near, now);
                                 // A number that no draw took is as wrong as one that is missing.
