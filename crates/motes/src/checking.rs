@@ -13,6 +13,7 @@ use crate::model::{Kind, Model};
 use crate::options::{FilterOptions, ProposalName};
 use crate::own_model::{LearnableModel, draws_transitions_alone};
 use crate::priors::of_starts;
+use crate::recorded::has_look_ahead;
 use crate::sight::is_blind;
 use crate::simulating::{check_draws, schedule, simulate, simulate_along};
 use crate::timeline::Timeline;
@@ -88,10 +89,11 @@ fn check_until(
         }
         Ok(()) => ", linearised",
     };
+    let ahead = if has_look_ahead(model) { ", look-ahead (of recorded data)" } else { "" };
     checked.findings.push(match (model.measured_exactly(), has(ProposalName::Optimal)) {
         (Some(reason), _) => format!("proposals: exact alone, because {reason}"),
-        (None, Ok(())) => format!("proposals: bootstrap{linearised}, optimal"),
-        (None, Err(error)) => format!("proposals: bootstrap{linearised}; no closed form ({error})"),
+        (None, Ok(())) => format!("proposals: bootstrap{linearised}, optimal{ahead}"),
+        (None, Err(error)) => format!("proposals: bootstrap{linearised}{ahead}; no closed form ({error})"),
     });
     if let Some(data) = data {
         check_data(model, data, &mut checked, seed);

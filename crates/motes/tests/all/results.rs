@@ -225,7 +225,7 @@ fn check_says_what_a_model_is_and_whether_data_fit() {
     for part in [
         "x ~ normal(0.9*x, 1)",
         "noise = 1",
-        "proposals: bootstrap, linearised, optimal",
+        "proposals: bootstrap, linearised, optimal, look-ahead (of recorded data)",
         "learned: a proposal of the states",
         "smoothed: backward simulation, or exactly by --proposal exact",
         "a bootstrap filter gets through",

@@ -5,8 +5,6 @@ use motes_models::equations::NoiseSpace;
 use motes_models::{OwnModel, Step};
 use motes_smc::ProposalError;
 
-use super::standards::PotentialStandards;
-
 /// Features stay within this many spreads: a network extrapolates badly.
 const LARGEST: f64 = 10.0;
 
@@ -15,6 +13,9 @@ const OF_ENTRY: usize = 3;
 
 /// Where the model is asked beside the middle of all states, along each coordinate, in spreads of that.
 const ALONG: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
+
+/// How many points take no longer than the middle alone, the first of them, when a model is asked for derivatives.
+const WITH_DERIVATIVES: usize = 8;
 
 /// How many features there are of each coordinate of a state: where it goes without noise from the middle of all states, where points on either side go relative to that, how much
 /// noise is added, and how likely the measurement is on either side.
@@ -80,22 +81,19 @@ impl StepFeatures {
         previous.resize(n * LANES, 0.0);
         states.resize(n * LANES, 0.0);
         images.clear();
-        for rows in points.chunks(n * LANES) {
+        jacobian.resize(n * q * LANES, 0.0);
+        let (with_derivatives, others) = points.split_at(points.len().min(WITH_DERIVATIVES * n));
+        for rows in [with_derivatives].into_iter().chain(others.chunks(n * LANES)) {
             let count = rows.len() / n;
             load(rows, n, previous);
             let before = (step.index > 0).then_some(previous.as_slice());
-            noise_space.tile_states(step, before, noise, states);
-            images.extend(
-                (0..count)
-                    .flat_map(|lane| (0..n).map(move |i| (lane, i)))
-                    .map(|(lane, i)| states[i * LANES + lane]),
-            );
+            match images.is_empty() {
+                true => noise_space.tile_linearised(step, before, noise, count, states, jacobian),
+                false => noise_space.tile_states(step, before, noise, states),
+            }
+            let of_state = |lane| (0..n).map(move |i| (lane, i));
+            images.extend((0..count).flat_map(of_state).map(|(lane, i)| states[i * LANES + lane]));
         }
-        jacobian.clear();
-        jacobian.resize(n * q * LANES, 0.0);
-        load(&points[..n], n, previous);
-        let before = (step.index > 0).then_some(previous.as_slice());
-        noise_space.tile_linearised(step, before, noise, 1, states, jacobian);
         values.clear();
         for i in 0..n {
             let of_noise = jacobian[i * q * LANES..][..q * LANES].iter().step_by(LANES);
@@ -137,21 +135,5 @@ impl StepFeatures {
         let below = |log: f64| if most == log { 0.0 } else { ((most - log).asinh() / 3.0).min(LARGEST) };
         features.extend(logs.iter().map(of).map(below));
         Ok(())
-    }
-
-    /// Appends the features of a step of a sequence that is recorded.
-    ///
-    /// # Errors
-    /// As [`StepFeatures::append`].
-    pub(super) fn of_recorded<M: OwnModel + ?Sized>(
-        &mut self,
-        (model, noise_space): (&M, &dyn NoiseSpace),
-        step: &Step<'_>,
-        measurement: &[Option<f64>],
-        standards: &PotentialStandards,
-        features: &mut Vec<f64>,
-    ) -> Result<(), ProposalError> {
-        self.ask(noise_space, step, &standards.state);
-        self.append(model, step, measurement, &standards.measurement, features)
     }
 }

@@ -105,10 +105,15 @@ impl LearnedPotentials {
         let noise_space = model.noise_space().ok_or(LookAheadError::NoNoise)?;
         let layout = self.layout();
         let (mut features, mut of_step) = (Vec::new(), StepFeatures::default());
+        let mut asked = None;
         for RecordedStep { step, measurement } in recorded {
-            let asked = (model, noise_space);
+            let step = step.step();
+            if !asked.is_some_and(|asked| noise_space.are_alike(&asked, &step)) {
+                of_step.ask(noise_space, &step, &standards.state);
+            }
+            asked = Some(step);
             of_step
-                .of_recorded(asked, &step.step(), measurement, standards, &mut features)
+                .append(model, &step, measurement, &standards.measurement, &mut features)
                 .map_err(failed)?;
         }
         let sizes = self.sizes(recorded.len(), 1);
@@ -143,7 +148,8 @@ impl LearnedPotentials {
         let StepMemory { of_step, features, inference } = memory;
         features.clear();
         let noise_space = model.noise_space().ok_or(ProposalError::NoNoise)?;
-        of_step.of_recorded((model, noise_space), step, measurement, standards, features)?;
+        of_step.ask(noise_space, step, &standards.state);
+        of_step.append(model, step, measurement, &standards.measurement, features)?;
         let (sizes, layout) = (self.sizes(1, 1), self.layout());
         let mut outputs = vec![0.0; layout.outputs()];
         read(&self.networks.now, &self.parameters, sizes.of_features(features), inference, &mut outputs)

@@ -2,16 +2,16 @@
 
 use motes_models::StepRecord;
 use motes_models::batch::LANES;
-use motes_models::equations::{Draw, Linearise};
+use motes_models::equations::{Draw, Linearise, NoiseSpace};
 use smallvec::SmallVec;
 
 use super::backward::{Site, local};
 use super::component::{Component, PotentialComponent};
 use super::error::LookAheadError;
-use super::local::LocalMap;
+use super::local::{Local, LocalMap, LocalTiles};
 use super::potential::{Numbers, Potential};
 use super::recorded::RecordedStep;
-use super::runs::{Run, draws_of_all, runs_of};
+use super::runs::{Run, draws_of, draws_of_all, runs_of};
 use super::smoother::{Smoothed, smooth};
 use crate::proposals::{log_add, noise_share};
 
@@ -119,10 +119,17 @@ pub(super) fn look_by<M: Linearise + ?Sized>(
         let maps = &mut maps[..range.len()];
         local.maps(&recorded[range.start].step.step(), near, &vec![0.0; draws.len() * range.len()], maps);
         for ((recorded, map), quadratics) in recorded[range.clone()].iter().zip(maps).zip(&mut quadratics) {
-            steps.push(quadratics.step(model, recorded, draws, map));
+            steps.push(quadratics.step(model, recorded.clone(), draws, map));
         }
     }
     Ok(steps)
+}
+
+/// What steps are linearised in, one after another.
+#[derive(Debug, Clone, Default)]
+pub(super) struct StepMemory {
+    tiles: LocalTiles,
+    map: LocalMap,
 }
 
 /// A step with these quadratics, linearised `near` a previous state.
@@ -130,17 +137,20 @@ pub(super) fn look_by<M: Linearise + ?Sized>(
 /// # Errors
 /// [`LookAheadError`] if quadratics do not fit it.
 pub(super) fn step_by<M: Linearise + ?Sized>(
-    model: &M,
-    recorded: &RecordedStep,
-    draws: &[Draw],
+    (model, noise_space): (&M, &dyn NoiseSpace),
+    recorded: RecordedStep,
     near: Option<&[f64]>,
     components: &[PotentialComponent],
+    StepMemory { tiles, map }: &mut StepMemory,
 ) -> Result<StepAhead, LookAheadError> {
-    let step = recorded.step.step();
-    let quadratics = Quadratics::new(step.index, model.state_dim(), components)?;
-    let mut map = LocalMap::default();
-    local(model)?.maps(&step, near, &vec![0.0; draws.len()], std::slice::from_mut(&mut map));
-    Ok(quadratics.step(model, recorded, draws, &map))
+    let (step, n) = (recorded.step.step(), model.state_dim());
+    let quadratics = Quadratics::new(step.index, n, components)?;
+    let draws = draws_of(noise_space, &step);
+    let mut local = Local::new(noise_space, n, std::mem::take(tiles));
+    let still = Numbers::from_elem(0.0, draws.len());
+    local.maps(&step, near, &still, std::slice::from_mut(map));
+    *tiles = local.tiles;
+    Ok(quadratics.step(model, recorded, &draws, map))
 }
 
 /// The quadratics of a step, with the logarithms of their weights.
@@ -170,15 +180,15 @@ impl Quadratics {
     fn step<M: Linearise + ?Sized>(
         self,
         model: &M,
-        RecordedStep { step, measurement }: &RecordedStep,
+        RecordedStep { step, measurement }: RecordedStep,
         draws: &[Draw],
         map: &LocalMap,
     ) -> StepAhead {
         let variances = normal_variances(model, draws, map);
         let of_one = |(log_weight, potential)| Component::new(log_weight, potential, variances.as_deref());
         StepAhead {
-            step: step.clone(),
-            measurement: measurement.clone(),
+            step,
+            measurement,
             components: self.0.into_iter().map(of_one).collect(),
             noise: Numbers::from_elem(0.0, draws.len()),
             share: noise_share(draws),

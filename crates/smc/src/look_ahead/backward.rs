@@ -5,7 +5,7 @@ use motes_models::batch::LANES;
 
 use super::dense::{product, product_of_transposed, subtract_times};
 use super::error::LookAheadError;
-use super::local::{Local, LocalMap, LocalSite};
+use super::local::{Local, LocalMap, LocalSite, LocalTiles};
 use super::path::{Path, Policy};
 use super::potential::{Guidance, Numbers, Potential};
 use super::recorded::RecordedStep;
@@ -134,5 +134,5 @@ impl LinearisedPath {
 /// [`LookAheadError::NoNoise`].
 pub(super) fn local<M: StateSpaceModel + ?Sized>(model: &M) -> Result<Local<'_>, LookAheadError> {
     let noise = model.noise_space().ok_or(LookAheadError::NoNoise)?;
-    Ok(Local::new(noise, model.state_dim()))
+    Ok(Local::new(noise, model.state_dim(), LocalTiles::default()))
 }

@@ -28,6 +28,12 @@ pub(super) struct LocalSite {
 pub(super) struct Local<'m> {
     model: &'m dyn NoiseSpace,
     n: usize,
+    pub(super) tiles: LocalTiles,
+}
+
+/// What the answers of a model are computed in.
+#[derive(Debug, Clone, Default)]
+pub(super) struct LocalTiles {
     previous: Vec<f64>,
     noise: Vec<f64>,
     states: Vec<f64>,
@@ -49,9 +55,8 @@ fn lane(tile: &[f64], lane: usize) -> impl Iterator<Item = f64> {
 
 impl<'m> Local<'m> {
     /// Of a model with states of `N` coordinates.
-    pub(super) fn new(model: &'m dyn NoiseSpace, n: usize) -> Self {
-        let [previous, noise, states, derivatives] = [const { Vec::new() }; 4];
-        Local { model, n, previous, noise, states, derivatives, measurement: Vec::new() }
+    pub(super) fn new(model: &'m dyn NoiseSpace, n: usize, tiles: LocalTiles) -> Self {
+        Local { model, n, tiles }
     }
 
     /// The maps of alike steps, up to a tile of them, near each row of `previous` (`R×N`), or at the start, and of `noise` (`R×Q`), into `maps` (`R`). The first that is not finite, if
@@ -66,16 +71,17 @@ impl<'m> Local<'m> {
         let (n, count) = (self.n, maps.len());
         let q = noise.len() / count;
         let directions = q + previous.map_or(0, |_| n);
-        fill_tile(previous.unwrap_or_default(), count, &mut self.previous);
-        fill_tile(noise, count, &mut self.noise);
-        self.states.resize(n * LANES, 0.0);
-        self.derivatives.resize(n * directions * LANES, 0.0);
-        let before = previous.map(|_| self.previous.as_slice());
-        self.model.tile_linearised(step, before, &self.noise, count, &mut self.states, &mut self.derivatives);
+        let LocalTiles { previous: befores, noise: noises, states, derivatives, .. } = &mut self.tiles;
+        fill_tile(previous.unwrap_or_default(), count, befores);
+        fill_tile(noise, count, noises);
+        states.resize(n * LANES, 0.0);
+        derivatives.resize(n * directions * LANES, 0.0);
+        let before = previous.map(|_| befores.as_slice());
+        self.model.tile_linearised(step, before, noises, count, states, derivatives);
         for (at, LocalMap { value, along_noise, along_previous }) in maps.iter_mut().enumerate() {
             [&mut *value, &mut *along_noise, &mut *along_previous].into_iter().for_each(Vec::clear);
-            value.extend(lane(&self.states, at));
-            for row in self.derivatives.chunks_exact((directions * LANES).max(1)) {
+            value.extend(lane(states, at));
+            for row in derivatives.chunks_exact((directions * LANES).max(1)) {
                 let (noise, previous) = row.split_at(q * LANES);
                 along_noise.extend(lane(noise, at));
                 along_previous.extend(lane(previous, at));
@@ -135,18 +141,19 @@ impl<'m> Local<'m> {
         count: usize,
         measurement: impl Fn(usize) -> &'y [Option<f64>],
     ) -> (&[f64], &[f64]) {
-        fill_tile(states, count, &mut self.states);
-        self.measurement.clear();
-        self.measurement.extend(measurement(0).iter().map(|entry| entry.map(Lanes::from)));
+        let LocalTiles { states: tile, derivatives, measurement: measured, .. } = &mut self.tiles;
+        fill_tile(states, count, tile);
+        measured.clear();
+        measured.extend(measurement(0).iter().map(|entry| entry.map(Lanes::from)));
         for row in 1..count {
-            let entries = self.measurement.iter_mut().zip(measurement(row));
+            let entries = measured.iter_mut().zip(measurement(row));
             for (lanes, entry) in entries.filter_map(|(lanes, entry)| lanes.as_mut().zip(*entry)) {
                 lanes.0[row] = entry;
             }
         }
-        self.derivatives.resize((1 + 2 * self.measurement.len()) * self.n * LANES, 0.0);
-        let (slopes, roots) = self.derivatives.split_at_mut(self.n * LANES);
-        self.model.tile_sites(step, &self.states, &self.measurement, count, slopes, roots);
+        derivatives.resize((1 + 2 * measured.len()) * self.n * LANES, 0.0);
+        let (slopes, roots) = derivatives.split_at_mut(self.n * LANES);
+        self.model.tile_sites(step, tile, measured, count, slopes, roots);
         (slopes, roots)
     }
 }

@@ -3,12 +3,11 @@
 use motes_models::equations::Linearise;
 use motes_models::{Step, StepRecord};
 
-use super::ahead::{StepAhead, step_by};
+use super::ahead::{StepAhead, StepMemory, step_by};
 use super::batch::LookAheadBatch;
 use super::component::PotentialComponent;
 use super::error::LookAheadError;
 use super::recorded::RecordedStep;
-use super::runs::draws_of;
 use super::scratch::LookAheadScratch;
 use crate::proposal::{Context, Proposal};
 use crate::proposal_error::ProposalError;
@@ -34,12 +33,13 @@ pub trait StepPotentials<M: ?Sized>: Sync {
 pub struct ByPotential<P> {
     source: P,
     prepared: Option<StepAhead>,
+    memory: StepMemory,
 }
 
 impl<P> ByPotential<P> {
     /// By these potentials.
     pub fn new(source: P) -> Self {
-        ByPotential { source, prepared: None }
+        ByPotential { source, prepared: None, memory: StepMemory::default() }
     }
 }
 
@@ -69,8 +69,7 @@ impl<M: Linearise + ?Sized, P: StepPotentials<M>> Proposal<M> for ByPotential<P>
         // Nothing but this step: a filter that goes on from a checkpoint finds the same.
         let near = components.first().filter(|_| step.index > 0).map(|component| component.centre.as_slice());
         let recorded = RecordedStep { step: StepRecord::of(step), measurement: measurement.to_vec() };
-        let draws = draws_of(noise_space, step);
-        let found = step_by(model, &recorded, &draws, near, &components);
+        let found = step_by((model, noise_space), recorded, near, &components, &mut self.memory);
         self.prepared = Some(found.map_err(|error| refused(step.index, &error))?);
         Ok(true)
     }
