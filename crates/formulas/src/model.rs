@@ -1,9 +1,10 @@
 //! A model of formulas.
 
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use motes_models::Step;
+use motes_models::equations::Draw;
 
 use crate::closed_form::{self, NoClosedForm};
 use crate::error::{Fault, Section};
@@ -46,6 +47,8 @@ pub(crate) struct Programs {
     pub(crate) has_density: bool,
     /// The first entry of a measurement that is without error.
     exact_entry: Option<usize>,
+    /// The draws of the start, and of each sub-step, when they were asked for: no state, time or input changes them.
+    pub(crate) draws: [OnceLock<Vec<Draw>>; 2],
 }
 
 impl Programs {
@@ -131,6 +134,7 @@ impl FormulaModel {
                 is_finite,
                 has_density: has_density && !has_sub_steps,
                 exact_entry,
+                draws: Default::default(),
                 file: file.to_string(),
                 has_lines,
                 statement,

@@ -155,7 +155,19 @@ impl Linearise for FormulaModel {
 
 impl NoiseSpace for FormulaModel {
     fn draws(&self, step: &Step<'_>) -> Vec<Draw> {
-        self.equations().draws(step)
+        let [of_start, of_sub_step] = &self.0.draws;
+        match step {
+            Step { index: 0, .. } => of_start.get_or_init(|| self.equations().draws(step)).clone(),
+            Step { sub_steps: 0, .. } => Vec::new(),
+            _ => {
+                let of_one = of_sub_step.get_or_init(|| {
+                    let mut all = self.equations().draws(step);
+                    all.truncate(all.len() / step.sub_steps);
+                    all
+                });
+                of_one.repeat(step.sub_steps)
+            }
+        }
     }
 
     fn are_alike(&self, one: &Step<'_>, other: &Step<'_>) -> bool {

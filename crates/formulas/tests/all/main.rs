@@ -5,6 +5,7 @@ mod choices;
 mod closed_form;
 mod compounds;
 mod distributions;
+mod draws;
 mod exact;
 mod examples;
 mod explain;
