@@ -33,8 +33,8 @@ def evidence(file, parameters, proposal, particles, runs, *more):
     return json.loads(said.stdout.splitlines()[0]) if said.returncode == 0 else None
 
 
-def inefficiency(file, parameters, proposal, particles):
-    """Variance times seconds of a run; none where a run collapsed or the model does not allow the proposal."""
+def variance_and_seconds(file, parameters, proposal, particles):
+    """Of a run; none where a run collapsed or the model does not allow the proposal."""
     many = evidence(file, parameters, proposal, particles, RUNS, "--no-check")
     if many is None or many["variance_per_run"] is None:
         return None
@@ -52,7 +52,7 @@ def of_draw(seed, folder):
     file.write_text("\n".join([",".join(measured), *(",".join(row[name] for name in measured) for row in rows)]) + "\n")
     parameters = {name: rows[0][name] for name in free}
     found = {
-        name: {k: inefficiency(file, parameters, name, k) for k in counts} for name, counts in (ONE_STEP | AHEAD).items()
+        name: {k: variance_and_seconds(file, parameters, name, k) for k in counts} for name, counts in (ONE_STEP | AHEAD).items()
     }
     best = {name: min((v * s for v, s in filter(None, at.values())), default=float("inf")) for name, at in found.items()}
     chosen = evidence(file, parameters, "auto", 1000, 1)

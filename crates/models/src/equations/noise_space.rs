@@ -18,7 +18,7 @@ pub use guided::Guide;
 ///
 /// Tiles have [`LANES`](crate::batch::LANES) particles, coordinates in rows.
 pub trait NoiseSpace: Sync {
-    /// The `Q` draws of a step, in order; they are the same from any state.
+    /// The `Q` draws of a step, in order; they are the same from any state. Where no time passes there are none.
     fn draws(&self, step: &Step<'_>) -> Vec<Draw>;
 
     /// Whether two steps are alike: all that is asked here of one has the same answer in the other, so that a tile may hold states of both.

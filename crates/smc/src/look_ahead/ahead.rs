@@ -11,7 +11,7 @@ use super::error::LookAheadError;
 use super::local::{Local, LocalMap, LocalTiles};
 use super::potential::{Numbers, Potential};
 use super::recorded::RecordedStep;
-use super::runs::{Run, draws_of, draws_of_all, runs_of};
+use super::runs::{Run, draws_of_all, runs_of};
 use super::smoother::{Smoothed, smooth};
 use crate::proposals::{log_add, noise_share};
 
@@ -145,7 +145,7 @@ pub(super) fn step_by<M: Linearise + ?Sized>(
 ) -> Result<StepAhead, LookAheadError> {
     let (step, n) = (recorded.step.step(), model.state_dim());
     let quadratics = Quadratics::new(step.index, n, components)?;
-    let draws = draws_of(noise_space, &step);
+    let draws = noise_space.draws(&step);
     let mut local = Local::new(noise_space, n, std::mem::take(tiles));
     let still = Numbers::from_elem(0.0, draws.len());
     local.maps(&step, near, &still, std::slice::from_mut(map));

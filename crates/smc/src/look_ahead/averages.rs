@@ -49,7 +49,9 @@ pub(super) struct Averages {
 /// Points around the mean of a smoothed state.
 #[derive(Debug, Default)]
 struct Cloud {
-    /// Whether the state has a density, and its mean is near the path; else there are no points.
+    /// Whether the mean has `dᵀ P⁻¹ d` from the path of more than [`FAR`]² for each coordinate.
+    is_far: bool,
+    /// Whether the state has a density, and its mean is not far; else there are no points.
     is_regular: bool,
     /// `m − x̂`, `N`.
     deviation: Vec<f64>,
@@ -67,14 +69,10 @@ impl Cloud {
         self.lower.extend(lower_entries(n).map(|(i, j)| covariance[i * n + j]));
         factor(n, &mut self.lower);
         let has_density = |i: usize| self.lower[at(i, i)].powi(2) > ROUNDING * covariance[i * n + i];
-        self.is_regular = (0..n).all(has_density) && !self.is_far();
-    }
-
-    /// Whether `dᵀ P⁻¹ d` of the mean `d` from the path is more than [`FAR`]² for each coordinate.
-    fn is_far(&self) -> bool {
-        let (n, mut scaled) = (self.deviation.len(), Numbers::from_slice(&self.deviation));
+        let mut scaled = Numbers::from_slice(deviation);
         solve_lower(n, &self.lower, &mut scaled);
-        dot(&scaled, &scaled) > FAR * FAR * n as f64
+        self.is_far = dot(&scaled, &scaled) > FAR * FAR * n as f64;
+        self.is_regular = (0..n).all(has_density) && !self.is_far;
     }
 }
 
@@ -202,7 +200,7 @@ impl Averages {
         let is_far = |index: &usize| {
             self.advance(*index, path, policy, linearised);
             cloud.centre(&self.deviation, &self.covariance);
-            cloud.is_far()
+            cloud.is_far
         };
         (0..path.len()).filter(is_far).collect()
     }

@@ -2,9 +2,8 @@
 
 use std::ops::Range;
 
-use motes_models::Step;
 use motes_models::batch::LANES;
-use motes_models::equations::{Draw, Linearise, NoiseSpace};
+use motes_models::equations::{Draw, Linearise};
 
 use super::error::LookAheadError;
 use super::recorded::RecordedStep;
@@ -50,7 +49,7 @@ pub(super) fn runs_of<M: Linearise + ?Sized>(
         };
         match runs.last_mut().filter(|run| belongs(run)) {
             Some(run) => run.steps.end = index + 1,
-            None => runs.push(Run { steps: index..index + 1, draws: draws_of(noise_space, &step) }),
+            None => runs.push(Run { steps: index..index + 1, draws: noise_space.draws(&step) }),
         }
     }
     Ok(runs)
@@ -59,9 +58,4 @@ pub(super) fn runs_of<M: Linearise + ?Sized>(
 /// What each step of a sequence with these runs draws.
 pub(super) fn draws_of_all(runs: &[Run]) -> impl Iterator<Item = &[Draw]> {
     runs.iter().flat_map(|run| run.steps.clone().map(|_| run.draws.as_slice()))
-}
-
-/// The draws of a step: none where no time passes.
-pub(super) fn draws_of(model: &dyn NoiseSpace, step: &Step<'_>) -> Vec<Draw> {
-    if step.index > 0 && step.sub_steps == 0 { Vec::new() } else { model.draws(step) }
 }
